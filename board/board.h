@@ -1,0 +1,2 @@
+// Which devices this machine has.
+#pragma once

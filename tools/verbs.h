@@ -1,0 +1,14 @@
+// The verbs of sonoband-tool. Each adds its own subcommand, with help and a callback, in the file of its
+// name.
+//
+// A callback reports bad input by throwing BadInput: one sentence that names the place and the cure; main
+// prints it and exits 1. Wrong usage is CLI11's to report: exit 2.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace sonoband::tools {
+
+void add_info(CLI::App& tool);
+
+}  // namespace sonoband::tools
