@@ -1,1 +1,0 @@
-#include "board/board.h"

@@ -1,2 +1,0 @@
-// Which devices this machine has.
-#pragma once

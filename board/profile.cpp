@@ -1,0 +1,167 @@
+#include "board/profile.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <sstream>
+#include <vector>
+
+#include <toml++/toml.h>
+
+namespace sonoband {
+namespace {
+
+// One key: where it goes, and a sentence about what it must be when the value does not fit.
+struct Key {
+  std::string table;
+  std::string name;
+  std::string must_be;
+  std::function<bool(const toml::node&, Profile&)> take;  // false: the value does not fit
+};
+
+std::string number(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+Key real(std::string table, std::string name, double least, double most,
+         std::function<double&(Profile&)> field) {
+  return {std::move(table), std::move(name), "a number from " + number(least) + " to " + number(most),
+          [=](const toml::node& node, Profile& profile) {
+            const auto value = node.value<double>();
+            if (!value || !(*value >= least && *value <= most)) return false;
+            field(profile) = *value;
+            return true;
+          }};
+}
+
+template <class Integer>
+Key whole(std::string table, std::string name, std::int64_t least, std::int64_t most,
+          std::function<Integer&(Profile&)> field) {
+  return {std::move(table), std::move(name),
+          "a whole number from " + std::to_string(least) + " to " + std::to_string(most),
+          [=](const toml::node& node, Profile& profile) {
+            if (!node.is_integer()) return false;
+            const std::int64_t value = **node.as_integer();
+            if (value < least || value > most) return false;
+            field(profile) = static_cast<Integer>(value);
+            return true;
+          }};
+}
+
+Key choice(std::string table, std::string name, std::vector<std::string> words,
+           std::function<void(Profile&, const std::string&)> set) {
+  std::string must_be = "one of";
+  for (const std::string& word : words) must_be += " \"" + word + "\"";
+  return {std::move(table), std::move(name), must_be,
+          [words = std::move(words), set = std::move(set)](const toml::node& node, Profile& profile) {
+            const auto value = node.value<std::string>();
+            if (!value || std::find(words.begin(), words.end(), *value) == words.end()) return false;
+            set(profile, *value);
+            return true;
+          }};
+}
+
+bool take_crop(const toml::node& node, Profile& profile) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->size() != 4) return false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const toml::node& entry = *array->get(i);
+    if (!entry.is_integer()) return false;
+    const std::int64_t value = **entry.as_integer();
+    if (value < 0 || value > 16384) return false;
+    profile.capture.crop_px[i] = static_cast<int>(value);
+  }
+  return true;
+}
+
+std::vector<Key> all_keys() {
+  using P = Profile;
+  return {
+      real("capture", "rate-hz", 1, 240, [](P& p) -> double& { return p.capture.rate_hz; }),
+      {"capture", "crop-px", "four whole numbers [x, y, width, height] from 0 to 16384", take_crop},
+      choice("capture", "orientation", {"MF", "MN", "UF", "UN"},
+             [](P& p, const std::string& word) { p.capture.orientation = word; }),
+      real("capture", "latency-ms", -1000, 1000, [](P& p) -> double& { return p.capture.latency_ms; }),
+      real("tracking", "gap-ms", 1, 1000, [](P& p) -> double& { return p.tracking.gap_ms; }),
+      real("tracking", "wait-ms", 1, 2000, [](P& p) -> double& { return p.tracking.wait_ms; }),
+      choice("pedal", "mode", {"hold", "toggle"},
+             [](P& p, const std::string& word) {
+               p.pedal.mode = word == "hold" ? PedalMode::hold : PedalMode::toggle;
+             }),
+      real("pedal", "debounce-ms", 1, 200, [](P& p) -> double& { return p.pedal.debounce_ms; }),
+      real("pedal", "stuck-s", 1, 3600, [](P& p) -> double& { return p.pedal.stuck_s; }),
+      whole<int>("ring", "frames", 16, 100000, [](P& p) -> int& { return p.ring.frames; }),
+      real("ring", "pre-roll-s", 0, 60, [](P& p) -> double& { return p.ring.pre_roll_s; }),
+      choice("simulation", "scene", {"foetus", "vessels", "wires", "spheres", "ramp", "constant"},
+             [](P& p, const std::string& word) { p.simulation.scene = word; }),
+      choice("simulation", "sweep", {"linear", "fan", "reversed", "overlapping"},
+             [](P& p, const std::string& word) { p.simulation.sweep = word; }),
+      whole<std::int64_t>("simulation", "seed", 0, 1'000'000'000,
+                          [](P& p) -> std::int64_t& { return p.simulation.seed; }),
+  };
+}
+
+std::string place(const std::string& file, const toml::source_region& region) {
+  return file + ":" + std::to_string(region.begin.line);
+}
+
+std::string names(const std::vector<Key>& keys, const std::string& table) {
+  std::string list;
+  for (const Key& key : keys) {
+    if (key.table == table) list += (list.empty() ? "" : ", ") + key.name;
+  }
+  return list;
+}
+
+}  // namespace
+
+Profile parse_profile(std::string_view toml_text, const std::string& file) {
+  toml::table root;
+  try {
+    root = toml::parse(toml_text, file);
+  } catch (const toml::parse_error& e) {
+    throw ProfileError(place(file, e.source()) + ": this is no TOML: " + std::string(e.description()) +
+                       "; write `key = value` lines below [table] headings");
+  }
+  const std::vector<Key> keys = all_keys();
+  Profile profile;
+  for (auto&& [table_key, table_node] : root) {
+    const std::string table{table_key.str()};
+    const std::string known = names(keys, table);
+    if (known.empty() || !table_node.is_table()) {
+      throw ProfileError(place(file, table_node.source()) + ": there is no table [" + table +
+                         "]; the tables are [capture], [tracking], [pedal], [ring] and [simulation]");
+    }
+    for (auto&& [name_key, node] : *table_node.as_table()) {
+      const std::string name{name_key.str()};
+      const auto key = std::find_if(keys.begin(), keys.end(),
+                                    [&](const Key& k) { return k.table == table && k.name == name; });
+      if (key == keys.end()) {
+        throw ProfileError(place(file, node.source()) + ": [" + table + "] has no key " + name + "; it has " +
+                           known);
+      }
+      if (!key->take(node, profile)) {
+        throw ProfileError(place(file, node.source()) + ": " + table + "." + name + " must be " +
+                           key->must_be);
+      }
+    }
+  }
+  return profile;
+}
+
+Profile read_profile(const std::string& file) {
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file)) in.open(file, std::ios::binary);
+  if (!in.is_open()) {
+    throw ProfileError(
+        file + ": this configuration file cannot be read; name one that exists, or leave --config out");
+  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  return parse_profile(text, file);
+}
+
+}  // namespace sonoband

@@ -1,0 +1,90 @@
+// Every key is taken, and whatever does not fit is refused with file, line and cure.
+#include "board/profile.h"
+
+#include <gtest/gtest.h>
+
+namespace sonoband {
+namespace {
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_profile(text, "cart.toml");
+  } catch (const ProfileError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(Profile, EmptyTextGivesTheDefaults) {
+  const Profile p = parse_profile("", "cart.toml");
+  EXPECT_EQ(p.capture.rate_hz, 30);
+  EXPECT_EQ(p.pedal.mode, PedalMode::hold);
+  EXPECT_EQ(p.simulation.scene, "foetus");
+}
+
+TEST(Profile, TakesEveryKey) {
+  const Profile p = parse_profile(R"(
+[capture]
+rate-hz = 60
+crop-px = [10, 20, 640, 480]
+orientation = "UN"
+latency-ms = 82.5
+[tracking]
+gap-ms = 40
+wait-ms = 120
+[pedal]
+mode = "toggle"
+debounce-ms = 20
+stuck-s = 90
+[ring]
+frames = 600
+pre-roll-s = 0.5
+[simulation]
+scene = "vessels"
+sweep = "fan"
+seed = 7
+)",
+                                  "cart.toml");
+  EXPECT_EQ(p.capture.rate_hz, 60);
+  EXPECT_EQ(p.capture.crop_px, (std::array<int, 4>{10, 20, 640, 480}));
+  EXPECT_EQ(p.capture.orientation, "UN");
+  EXPECT_EQ(p.capture.latency_ms, 82.5);
+  EXPECT_EQ(p.tracking.gap_ms, 40);
+  EXPECT_EQ(p.tracking.wait_ms, 120);
+  EXPECT_EQ(p.pedal.mode, PedalMode::toggle);
+  EXPECT_EQ(p.pedal.debounce_ms, 20);
+  EXPECT_EQ(p.pedal.stuck_s, 90);
+  EXPECT_EQ(p.ring.frames, 600);
+  EXPECT_EQ(p.ring.pre_roll_s, 0.5);
+  EXPECT_EQ(p.simulation.scene, "vessels");
+  EXPECT_EQ(p.simulation.sweep, "fan");
+  EXPECT_EQ(p.simulation.seed, 7);
+}
+
+TEST(Profile, RefusalsNameFileLineAndCure) {
+  EXPECT_EQ(refusal("[pedal]\nmode = \"push\"\n"),
+            "cart.toml:2: pedal.mode must be one of \"hold\" \"toggle\"");
+  EXPECT_EQ(refusal("[pedal]\n\ndebounce = 3\n"),
+            "cart.toml:3: [pedal] has no key debounce; it has mode, debounce-ms, stuck-s");
+  EXPECT_EQ(refusal("[ring]\nframes = 3\n"),
+            "cart.toml:2: ring.frames must be a whole number from 16 to 100000");
+  EXPECT_EQ(refusal("[ring]\nframes = 30.5\n"),
+            "cart.toml:2: ring.frames must be a whole number from 16 to 100000");
+  EXPECT_EQ(refusal("[capture]\nrate-hz = nan\n"),
+            "cart.toml:2: capture.rate-hz must be a number from 1 to 240");
+  EXPECT_EQ(refusal("[capture]\ncrop-px = [1, 2, 3]\n"),
+            "cart.toml:2: capture.crop-px must be four whole numbers [x, y, width, height] from 0 to 16384");
+  EXPECT_TRUE(refusal("[lights]\nred = 1\n").starts_with("cart.toml:1: there is no table [lights]"))
+      << refusal("[lights]\nred = 1\n");
+  EXPECT_TRUE(refusal("x = ").starts_with("cart.toml:1: this is no TOML")) << refusal("x = ");
+  EXPECT_TRUE(refusal("frames = 3").starts_with("cart.toml:1: there is no table [frames]"))
+      << refusal("frames = 3");
+}
+
+TEST(Profile, AFileThatIsNotThereIsSaidToBeMissing) {
+  EXPECT_THROW(read_profile("/nonexistent/cart.toml"), ProfileError);
+  EXPECT_THROW(read_profile("/"), ProfileError);
+}
+
+}  // namespace
+}  // namespace sonoband
