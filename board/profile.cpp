@@ -28,7 +28,7 @@ std::string number(double value) {
 }
 
 Key real(std::string table, std::string name, double least, double most,
-         std::function<double&(Profile&)> field) {
+         const std::function<double&(Profile&)>& field) {
   return {std::move(table), std::move(name), "a number from " + number(least) + " to " + number(most),
           [=](const toml::node& node, Profile& profile) {
             const auto value = node.value<double>();
@@ -40,7 +40,7 @@ Key real(std::string table, std::string name, double least, double most,
 
 template <class Integer>
 Key whole(std::string table, std::string name, std::int64_t least, std::int64_t most,
-          std::function<Integer&(Profile&)> field) {
+          const std::function<Integer&(Profile&)>& field) {
   return {std::move(table), std::move(name),
           "a whole number from " + std::to_string(least) + " to " + std::to_string(most),
           [=](const toml::node& node, Profile& profile) {

@@ -9,7 +9,8 @@ int Band::layers() const {
 }
 
 double Band::offset_mm(int layer) const {
-  return (layer - (layers() - 1) / 2) * step_mm;
+  const int middle = layers() / 2;
+  return (layer - middle) * step_mm;
 }
 
 double pixel_width_mm(const SweepView& sweep) {
