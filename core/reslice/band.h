@@ -8,17 +8,16 @@
 // image_from_world. The frame's picture contains the foot when pixel (floor(x + 1/2), floor(y + 1/2)) is in
 // the picture and in the mask.
 //   nearest: of the frames that contain the foot with |z| <= d_i the one with the smallest |z| gives that
-//   pixel; of equal
-//            |z| the later frame (greater captured, then sweep_id, then sequence). None: no data, which is
-//            never black.
-//   linear:  let A be that frame. B is, of the frames that contain their foot on the other side of P with |z|
-//   <= 2 d_i,
-//            the one with the smallest |z| (same tie rule). Sides are told by the sign of z along the frame's
-//            normal; the normals of a whole sweep are flipped where its mean normal opposes that of the first
-//            sweep. Each gives its bilinear value at the foot (taps outside picture or mask take no part, the
-//            weights of the others are renormalised); the value is (a |zB| + b |zA|) / (|zA| + |zB|), rounded
-//            once, halves up. Without B: a.
+//   pixel; of equal |z| the later frame (greater captured, then sweep_id, then sequence). None: no data,
+//   which is never black. linear: let A be that frame. B is, of the frames that contain their foot on the
+//   other side of P with |z| <= 2 d_i, the one with the smallest |z| (same tie rule). Sides are told by the
+//   sign of z along the frame's normal (0 counts as positive); the normals of a whole sweep are flipped where
+//   its mean normal opposes that of the sweep with the earliest frame. Each gives its bilinear value at the
+//   foot (taps outside picture or mask take no part, the weights of the others are renormalised); the value
+//   is (a |zB| + b |zA|) / (|zA| + |zB|), rounded once, halves up. Without B: a.
 // Twice d for B because automatic d is half a gap, and a sample near A must still see across the whole gap.
+// Positions and distances within core/reslice/ties.h of a boundary are on it: x + 1/2 so close below an
+// integer is that integer, |z| so close above d is d, and |z| so close to the smallest is equal to it.
 // Doppler keys are never interpolated as numbers: core/image/doppler.h.
 #pragma once
 
@@ -80,6 +79,9 @@ struct LineBundle {
       present;  // 0: this line does not exist (the front has vanished); empty: all exist
 };
 
+// The lines of a plane's band: what render_planar paints.
+LineBundle plane_lines(const ReslicePlane& plane, const Band& band);
+
 // Thread-safe for the caller: reads the sweep, writes only the result. Same bits for any Parallel.
 BandImage render_planar(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                         Parallel& parallel);
@@ -89,9 +91,11 @@ BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const R
                        Parallel& parallel);
 
 // d per frame of sweep.frames, in mm. Automatic d_i is half the largest |n_i . (corner_j - corner_i)| over
-// the four corners and the previous and next frame j of the same sweep. A neighbour farther than 4 x the
-// median of the sweep's largest corner distances is a jump and does not count; a frame left with no neighbour
-// takes half the median. Never below half a pixel's width, so that a probe held still paints.
+// the four corners and the previous and next frame j of the same sweep (in order of capture, whatever the
+// order of the span). A neighbour farther than 4 x the median of the sweep's largest corner distances is a
+// jump and does not count; a frame left with no neighbour takes half the median. The median is over distances
+// of at least half a pixel's width: a probe held still for most of a sweep must not make every move a jump.
+// d is never below half a pixel's width, so that a probe held still paints.
 std::vector<double> gap_limits(const SweepView& sweep, const GapLimit& gap);
 
 // Width of one pixel in mm of the sweep's first frame: the paper's resolution cell. 0 without frames.

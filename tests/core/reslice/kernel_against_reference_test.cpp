@@ -1,0 +1,76 @@
+// Every kernel against the definition, on random legal geometry.
+#include <gtest/gtest.h>
+
+#include "core/reslice/band.h"
+#include "tests/core/reslice/compare.h"
+#include "tests/core/reslice/random_geometry.h"
+#include "tests/core/reslice/reference.h"
+
+namespace sonoband {
+namespace {
+
+constexpr double tie_px_of_kernel = 1e-4;  // a foot may err by so much
+constexpr double tie_mm_of_kernel = 1e-4;
+
+class RandomScene : public testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomScene, NearestEqualsReferenceButForTies) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  const SweepView view = scene.sweep.view();
+  const LineBundle bundle = plane_lines(scene.plane, scene.settings.band);
+  Serial serial;
+  const BandImage image = render_planar(view, scene.plane, scene.settings, serial);
+  const BandImage truth = test::reference_planar(view, scene.plane, scene.settings);
+  EXPECT_EQ(image.kind, truth.kind);
+  const test::Difference d = test::compare(image, truth);
+  EXPECT_GE(d.equal_share(), 0.995) << d.unequal << " of " << d.pixels;
+  if (truth.kind == PixelKind::doppler && scene.settings.compounding == Compounding::mean) return;
+  const test::TieRange ties =
+      test::reference_ties(view, bundle, scene.settings, tie_px_of_kernel, tie_mm_of_kernel);
+  for (int y = 0; y < scene.plane.height; ++y) {
+    for (int x = 0; x < scene.plane.width; ++x) {
+      const int value = image.pixels.view()(x, y), covered = image.coverage.view()(x, y);
+      ASSERT_TRUE(value >= ties.lowest.view()(x, y) && value <= ties.highest.view()(x, y) &&
+                  covered >= ties.least_coverage.view()(x, y) && covered <= ties.most_coverage.view()(x, y))
+          << "pixel " << x << "," << y << ": " << value << " in " << covered << " layers, truth "
+          << int{truth.pixels.view()(x, y)} << " in " << truth.coverage.view()(x, y);
+    }
+  }
+}
+
+TEST_P(RandomScene, LinearIsWithinOneLevelOfReference) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  scene.settings.interpolation = Interpolation::linear;
+  Serial serial;
+  const BandImage image = render_planar(scene.sweep.view(), scene.plane, scene.settings, serial);
+  const BandImage truth = test::reference_planar(scene.sweep.view(), scene.plane, scene.settings);
+  const test::Difference d = test::compare(image, truth);
+  EXPECT_GE(d.close_share(), 0.995) << d.beyond_one_level << " of " << d.pixels;
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomScene, testing::Range(1U, 41U));
+
+// The shares the product promises, over all scenes together.
+TEST(KernelAgainstReference, PromisedShares) {
+  test::Difference nearest, linear;
+  const auto add = [](test::Difference& sum, const test::Difference& d) {
+    sum.pixels += d.pixels;
+    sum.unequal += d.unequal;
+    sum.beyond_one_level += d.beyond_one_level;
+  };
+  Serial serial;
+  for (unsigned seed = 100; seed < 140; ++seed) {
+    test::RandomScene scene = test::random_scene(seed);
+    const SweepView view = scene.sweep.view();
+    add(nearest, test::compare(render_planar(view, scene.plane, scene.settings, serial),
+                               test::reference_planar(view, scene.plane, scene.settings)));
+    scene.settings.interpolation = Interpolation::linear;
+    add(linear, test::compare(render_planar(view, scene.plane, scene.settings, serial),
+                              test::reference_planar(view, scene.plane, scene.settings)));
+  }
+  EXPECT_GE(nearest.equal_share(), 0.999) << nearest.unequal << " of " << nearest.pixels;
+  EXPECT_GE(linear.close_share(), 0.999) << linear.beyond_one_level << " of " << linear.pixels;
+}
+
+}  // namespace
+}  // namespace sonoband

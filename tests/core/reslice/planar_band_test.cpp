@@ -1,0 +1,354 @@
+// Planar bands of phantoms whose pictures are known in closed form, and laws that hold for any sweep.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include "core/image/doppler.h"
+#include "core/reslice/band.h"
+#include "tests/core/reslice/compare.h"
+#include "tests/core/reslice/random_geometry.h"
+#include "tests/core/reslice/reference.h"
+#include "tests/support/support.h"
+
+namespace sonoband {
+namespace {
+
+using test::image_pose;
+using test::TestSweep;
+
+constexpr double pixel = 0.25;  // mm; a power of two, so that positions are exact
+
+// Threads that take bodies in whatever order they come.
+class Threads final : public Parallel {
+ public:
+  explicit Threads(int width) : width_(width) {}
+  int width() const override { return width_; }
+  void for_each(int count, const std::function<void(int)>& body) override {
+    std::mutex mutex;
+    int next = count;
+    const auto work = [&] {
+      for (;;) {
+        int i = 0;
+        {
+          const std::lock_guard lock(mutex);
+          i = --next;
+        }
+        if (i < 0) return;
+        body(i);
+      }
+    };
+    std::vector<std::thread> helpers;
+    for (int i = 1; i < width_; ++i) helpers.emplace_back(work);
+    work();
+    for (std::thread& t : helpers) t.join();
+  }
+
+ private:
+  int width_;
+};
+
+// Parallel frames `spacing_mm` apart along z, pixels in World's x and y, of 64x48 pixels from the origin.
+TestSweep stack(int frames, double spacing_mm, const TestSweep::PixelFormula& value,
+                PixelKind kind = PixelKind::grey) {
+  TestSweep sweep;
+  for (int i = 0; i < frames; ++i)
+    sweep.add(64, 48, image_pose(Eigen::Matrix3d::Identity(), {0, 0, i * spacing_mm}, pixel), value, kind);
+  return sweep;
+}
+
+// Cuts all frames: right along x, down along the sweep, at depth `y_mm`; its normal is -y.
+ReslicePlane c_plane(double y_mm, int width = 64, int height = 41) {
+  return *make_plane({0, y_mm, 0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), width, height, pixel);
+}
+
+BandImage render(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings) {
+  Serial serial;
+  return render_planar(sweep, plane, settings, serial);
+}
+
+RenderSettings thick(double mm, Compounding compounding = Compounding::maximum) {
+  RenderSettings settings;
+  settings.band = {mm, pixel};
+  settings.compounding = compounding;
+  return settings;
+}
+
+TEST(PlanarBand, RampReadsTheColumn) {
+  const TestSweep sweep =
+      stack(21, 0.5, [](int x, int, const auto&) { return static_cast<std::uint8_t>(3 * x); });
+  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+    RenderSettings settings = thick(0);
+    settings.interpolation = interpolation;
+    const BandImage image = render(sweep.view(), c_plane(3.0), settings);
+    for (int y = 0; y < 41; ++y)
+      for (int x = 0; x < 64; ++x) ASSERT_EQ(image.pixels.view()(x, y), 3 * x) << x << "," << y;
+  }
+}
+
+TEST(PlanarBand, LinearBlendsAcrossTheGapByDistance) {
+  // Frame i has the value 40 i everywhere; rows are half a spacing apart, so odd rows lie half-way.
+  const TestSweep sweep =
+      stack(6, 0.5, [](int, int, const Eigen::Vector3d& p) { return static_cast<std::uint8_t>(80 * p.z()); });
+  RenderSettings settings = thick(0);
+  settings.interpolation = Interpolation::linear;
+  const BandImage image = render(sweep.view(), c_plane(3.0, 64, 11), settings);
+  for (int y = 0; y < 11; ++y) ASSERT_EQ(image.pixels.view()(10, y), 20 * y);
+}
+
+TEST(PlanarBand, HalfWayBetweenFramesTheLaterWins) {
+  const TestSweep sweep =
+      stack(6, 0.5, [](int, int, const Eigen::Vector3d& p) { return static_cast<std::uint8_t>(80 * p.z()); });
+  const BandImage image = render(sweep.view(), c_plane(3.0, 64, 11), thick(0));
+  for (int y = 0; y < 11; ++y) ASSERT_EQ(image.pixels.view()(10, y), 40 * ((y + 1) / 2));
+}
+
+TEST(PlanarBand, ConstantStaysConstantAndNoDataIsNotBlack) {
+  const TestSweep sweep = stack(9, 0.5, [](int, int, const auto&) { return std::uint8_t{77}; });
+  // 64 pixels of 0.25 mm across, 4 mm along the sweep; the plane reaches beyond on all sides.
+  const ReslicePlane plane =
+      *make_plane({-2, 3, -2}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), 100, 40, pixel);
+  for (const auto how : {Compounding::maximum, Compounding::minimum, Compounding::mean}) {
+    const BandImage image = render(sweep.view(), plane, thick(2, how));
+    for (int y = 0; y < 40; ++y) {
+      for (int x = 0; x < 100; ++x) {
+        const double z = -2 + pixel * y;
+        const bool inside = x >= 8 && x < 72 && z >= -0.25 && z <= 4.25;
+        ASSERT_EQ(image.coverage.view()(x, y), inside ? 9 : 0) << x << "," << y;
+        ASSERT_EQ(image.pixels.view()(x, y), inside ? 77 : 0);
+      }
+    }
+  }
+}
+
+TEST(PlanarBand, BlackTissueIsCovered) {
+  const TestSweep sweep = stack(9, 0.5, [](int, int, const auto&) { return std::uint8_t{0}; });
+  const BandImage image = render(sweep.view(), c_plane(3.0, 64, 17), thick(1));
+  EXPECT_EQ(image.coverage.view()(5, 5), 5);
+  EXPECT_EQ(image.pixels.view()(5, 5), 0);
+}
+
+// A wire along the sweep at depth row 24 is one bright pixel row; the band of N layers about depth y0
+// contains it exactly while |row of the wire - row of the plane| <= (N - 1) / 2.
+TEST(PlanarBand, WireIsInOrOutAsTheLayerFormulaSays) {
+  const TestSweep sweep =
+      stack(21, 0.5, [](int, int y, const auto&) { return static_cast<std::uint8_t>(y == 24 ? 250 : 10); });
+  for (const double thickness : {0.0, 0.5, 1.0, 1.2, 1.25, 1.3, 3.0}) {
+    const Band band{thickness, pixel};
+    const int half = (band.layers() - 1) / 2;
+    EXPECT_EQ(half, static_cast<int>(std::floor(thickness / (2 * pixel) + 0.5)));
+    for (int row = 10; row < 40; ++row) {
+      const BandImage image = render(sweep.view(), c_plane(row * pixel, 8, 9), thick(thickness));
+      const int expected = std::abs(row - 24) <= half ? 250 : 10;
+      ASSERT_EQ(image.pixels.view()(3, 4), expected) << "thickness " << thickness << ", row " << row;
+    }
+  }
+}
+
+TEST(PlanarBand, SphereThroughAThickBandIsItsFullDisc) {
+  const Eigen::Vector3d centre(8, 6, 5);
+  const double radius = 3;
+  const TestSweep sweep = stack(21, 0.5, [&](int, int, const Eigen::Vector3d& p) {
+    return static_cast<std::uint8_t>((p - centre).norm() <= radius ? 200 : 20);
+  });
+  // 1 mm above the middle: thin shows a disc of sqrt(8) mm, a band of 4 mm reaches the middle and shows 3 mm.
+  for (const double thickness : {0.0, 4.0}) {
+    const BandImage image = render(sweep.view(), c_plane(centre.y() - 1), thick(thickness));
+    const double expected = thickness == 0 ? std::sqrt(radius * radius - 1) : radius;
+    for (int y = 2; y < 39; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const double r = std::hypot(pixel * x - centre.x(), pixel * y - centre.z());
+        if (std::abs(r - expected) < 0.5) continue;  // half a frame spacing, half a pixel
+        ASSERT_EQ(image.pixels.view()(x, y), r < expected ? 200 : 20) << x << "," << y;
+      }
+    }
+  }
+}
+
+TEST(PlanarBand, CalibrationErrorMovesTheWireWithItsSign) {
+  // The wire is at World depth 6 mm. A calibration 1 mm too deep puts every picture, and the wire, 1 mm
+  // deeper.
+  for (const double error_mm : {-1.0, 0.0, 1.0}) {
+    TestSweep sweep;
+    for (int i = 0; i < 11; ++i) {
+      sweep.add(64, 48, image_pose(Eigen::Matrix3d::Identity(), {0, error_mm, i * 0.5}, pixel),
+                [](int, int y, const auto&) { return static_cast<std::uint8_t>(y * pixel == 6 ? 250 : 0); });
+    }
+    // Longitudinal: right along the sweep, down in depth.
+    const ReslicePlane plane =
+        *make_plane({4, 0, 0}, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), 20, 60, pixel);
+    const BandImage image = render(sweep.view(), plane, thick(0));
+    const int row = static_cast<int>((6 + error_mm) / pixel);
+    for (int y = 0; y < 48; ++y) ASSERT_EQ(image.pixels.view()(10, y), y == row ? 250 : 0) << error_mm;
+  }
+}
+
+TEST(PlanarBand, NoFramesAndNoPixels) {
+  const BandImage empty = render({}, c_plane(3), thick(2));
+  EXPECT_EQ(empty.pixels.width(), 64);
+  EXPECT_EQ(empty.coverage.view()(5, 5), 0);
+  const TestSweep sweep = stack(3, 0.5, [](int, int, const auto&) { return std::uint8_t{9}; });
+  EXPECT_EQ(render(sweep.view(), c_plane(3, 0, 0), thick(2)).pixels.width(), 0);
+  const BandImage far = render(sweep.view(), c_plane(500), thick(2));
+  EXPECT_EQ(far.coverage.view()(5, 5), 0);
+}
+
+TEST(PlanarBand, PlaneOnOneFrameGivesItsPicture) {
+  const TestSweep sweep =
+      stack(1, 0.5, [](int x, int y, const auto&) { return static_cast<std::uint8_t>(3 * x + 5 * y); });
+  const ReslicePlane plane =
+      *make_plane({0, 0, 0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), 64, 48, pixel);
+  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+    RenderSettings settings = thick(0);
+    settings.interpolation = interpolation;
+    const BandImage image = render(sweep.view(), plane, settings);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x)
+        ASSERT_EQ(image.pixels.view()(x, y), static_cast<std::uint8_t>(3 * x + 5 * y));
+  }
+}
+
+TEST(PlanarBand, GapStaysOpenUnlessTheLimitReachesAcross) {
+  TestSweep sweep = stack(20, 0.25, [](int, int, const auto&) { return std::uint8_t{50}; });
+  // A jump of 5 mm, then on.
+  for (int i = 0; i < 20; ++i) {
+    sweep.add(64, 48, image_pose(Eigen::Matrix3d::Identity(), {0, 0, 9.75 + 0.25 * i}, pixel),
+              [](int, int, const auto&) { return std::uint8_t{60}; });
+  }
+  RenderSettings settings = thick(0);
+  const BandImage open = render(sweep.view(), c_plane(3), settings);
+  EXPECT_EQ(open.coverage.view()(3, 19), 1);
+  EXPECT_EQ(open.coverage.view()(3, 30), 0);  // 7.5 mm, in the jump
+  EXPECT_EQ(open.coverage.view()(3, 39), 1);
+  settings.gap.mm = 2.5;
+  const BandImage closed = render(sweep.view(), c_plane(3), settings);
+  for (int y = 0; y < 41; ++y) ASSERT_EQ(closed.coverage.view()(3, y), 1);
+}
+
+TEST(GapLimits, HalfTheLargestCornerDistanceAndNeverAcrossAJump) {
+  TestSweep sweep;
+  for (const double z : {0.0, 0.5, 1.0, 1.5, 1.5, 1.5, 9.0})
+    sweep.add(8, 8, image_pose(Eigen::Matrix3d::Identity(), {0, 0, z}, pixel),
+              [](int, int, const auto&) { return std::uint8_t{1}; });
+  const std::vector<double> d = gap_limits(sweep.view(), {});
+  EXPECT_DOUBLE_EQ(d[0], 0.25);
+  EXPECT_DOUBLE_EQ(d[3], 0.25);
+  EXPECT_DOUBLE_EQ(d[4], pixel / 2);  // held still: half a pixel
+  EXPECT_DOUBLE_EQ(d[6], 0.25);       // alone beyond a jump: half the median
+  EXPECT_EQ(gap_limits(sweep.view(), {0.7}), std::vector<double>(7, 0.7));
+}
+
+TEST(PlanarBand, DopplerMeanFollowsTheVelocities) {
+  const auto key = [](int level, bool red) { return doppler::colour_key(level, red); };
+  // Layers along y: keys by picture row.
+  const std::vector<std::vector<std::uint8_t>> columns = {
+      {10, 20, 31},                         // grey only: 20.33
+      {key(30, true), key(10, false), 50},  // (30 - 10 + 0) / 3 = 6.67
+      {key(30, false), 7, 9},               // -10
+      {key(1, true), key(1, false), 40},    // 0: the grey
+      {key(0, true), key(0, false), key(0, true)},
+  };
+  const std::vector<std::uint8_t> expected = {20, key(7, true), key(10, false), 40, 0};
+  const TestSweep sweep = stack(
+      9, 0.5,
+      [&](int x, int y, const auto&) {
+        return x < 5 && y >= 10 && y < 13 ? columns[x][y - 10] : std::uint8_t{0};
+      },
+      PixelKind::doppler);
+  const BandImage image = render(sweep.view(), c_plane(11 * pixel, 5, 5), thick(0.5, Compounding::mean));
+  EXPECT_EQ(image.kind, PixelKind::doppler);
+  for (int x = 0; x < 5; ++x) EXPECT_EQ(image.pixels.view()(x, 2), expected[x]) << x;
+}
+
+class Laws : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Laws, MinimumMeanMaximumAreOrdered) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  if (scene.sweep.frames().front()->bscan.kind == PixelKind::doppler) {
+    for (auto& f : scene.sweep.frames()) f->bscan.kind = PixelKind::grey;
+  }
+  const auto with = [&](Compounding how) {
+    scene.settings.compounding = how;
+    return render(scene.sweep.view(), scene.plane, scene.settings);
+  };
+  const BandImage low = with(Compounding::minimum), mean = with(Compounding::mean),
+                  high = with(Compounding::maximum);
+  for (int y = 0; y < scene.plane.height; ++y) {
+    for (int x = 0; x < scene.plane.width; ++x) {
+      ASSERT_LE(low.pixels.view()(x, y), mean.pixels.view()(x, y));
+      ASSERT_LE(mean.pixels.view()(x, y), high.pixels.view()(x, y));
+    }
+  }
+}
+
+TEST_P(Laws, ZeroThicknessIsTheThinReslice) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  scene.settings.band.thickness_mm = 0;
+  scene.settings.compounding = Compounding::maximum;
+  const BandImage thin = render(scene.sweep.view(), scene.plane, scene.settings);
+  for (const auto how : {Compounding::minimum, Compounding::mean}) {
+    scene.settings.compounding = how;
+    if (thin.kind == PixelKind::doppler && how == Compounding::mean) continue;  // level 0 means to grey
+    EXPECT_TRUE(test::same_bits(thin, render(scene.sweep.view(), scene.plane, scene.settings)));
+  }
+}
+
+TEST_P(Laws, OrderOfFramesDoesNotMatter) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  std::vector<int> order(scene.sweep.frames().size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+    scene.settings.interpolation = interpolation;
+    const BandImage image = render(scene.sweep.view(), scene.plane, scene.settings);
+    std::shuffle(order.begin(), order.end(), std::mt19937(GetParam()));
+    EXPECT_TRUE(test::same_bits(image, render(scene.sweep.view(order), scene.plane, scene.settings)));
+  }
+}
+
+TEST_P(Laws, SameBitsForAnyNumberOfThreads) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+    scene.settings.interpolation = interpolation;
+    const BandImage one = render(scene.sweep.view(), scene.plane, scene.settings);
+    for (const int threads : {2, 3, 7}) {
+      Threads parallel(threads);
+      EXPECT_TRUE(
+          test::same_bits(one, render_planar(scene.sweep.view(), scene.plane, scene.settings, parallel)));
+    }
+  }
+}
+
+TEST_P(Laws, LinesOfAPlaneArePaintedAsThePlane) {
+  test::RandomScene scene = test::random_scene(GetParam());
+  Serial serial;
+  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+    scene.settings.interpolation = interpolation;
+    const BandImage planar = render(scene.sweep.view(), scene.plane, scene.settings);
+    const BandImage lines = render_lines(scene.sweep.view(), plane_lines(scene.plane, scene.settings.band),
+                                         scene.settings, serial);
+    EXPECT_TRUE(test::same_bits(planar, lines));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Laws, testing::Range(1000U, 1012U));
+
+TEST(LineBundle, CurvedLinesAndMissingOnesEqualReference) {
+  for (unsigned seed = 2000; seed < 2012; ++seed) {
+    test::RandomScene scene = test::random_scene(seed);
+    LineBundle bundle = plane_lines(scene.plane, scene.settings.band);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> bend(-0.3, 0.3);
+    for (auto& start : bundle.starts) start.v += Eigen::Vector3d(bend(random), bend(random), bend(random));
+    bundle.present.assign(bundle.starts.size(), 1);
+    for (auto& p : bundle.present) p = random() % 5 == 0 ? 0 : 1;
+    Serial serial;
+    const BandImage image = render_lines(scene.sweep.view(), bundle, scene.settings, serial);
+    const BandImage truth = test::reference_lines(scene.sweep.view(), bundle, scene.settings);
+    EXPECT_GE(test::compare(image, truth).equal_share(), 0.995) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace sonoband
