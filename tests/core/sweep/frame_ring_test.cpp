@@ -249,6 +249,17 @@ TEST(FrameRing, APressFromBeforeTheRingsMemorySaysSo) {
   ring.end_sweep(at_ms(300), {});
 }
 
+TEST(FrameRing, ASlotBeingFilledIsInNoSweep) {
+  FrameRing ring(small_ring(8));
+  for (std::uint64_t n = 1; n <= 30; ++n) put(ring, n);
+  RingSlot* claimed = ring.claim();  // was frame 23
+  test::fill(*claimed, 31, at_ms(310));
+  const Sweep sweep = ring.begin_sweep(1, at_ms(100), {});
+  EXPECT_EQ(numbers(sweep.swept()), Numbers({24, 25, 26, 27, 28}));
+  ring.discard(*claimed);
+  ring.end_sweep(at_ms(300), {});
+}
+
 TEST(FrameRing, LastHoldFreesWhicheverItIs) {
   FrameRing ring(small_ring(12));
   Sweep mine = ring.begin_sweep(1, at_ms(0), {});

@@ -6,6 +6,8 @@
 #include <thread>
 
 #include "core/concurrency/spsc_queue.h"
+#include "core/parallel.h"
+#include "core/reslice/band.h"
 #include "core/sweep/frame_ring.h"
 #include "tests/core/sweep/ring_support.h"
 #include "tests/support/allocation_counter.h"
@@ -50,6 +52,7 @@ TEST(FrameRingThreads, GrowingSweepsAndTheLiveViewAreReadWhileTheWriterRuns) {
         std::this_thread::yield();
       }
       swept += seen;
+      broken += sweep.ledger()->stored == 77 ? 0 : 1;
       ++sweeps;
     }
   });
@@ -67,6 +70,8 @@ TEST(FrameRingThreads, GrowingSweepsAndTheLiveViewAreReadWhileTheWriterRuns) {
     }
   });
 
+  LossLedger ledger;
+  ledger.stored = 77;
   std::uint64_t no_slot = 0;
   std::uint64_t allocated = 0;
   {
@@ -85,10 +90,10 @@ TEST(FrameRingThreads, GrowingSweepsAndTheLiveViewAreReadWhileTheWriterRuns) {
                                        milliseconds(5));
         if (sweep && !handed.try_emplace(std::move(sweep))) ++no_slot;
       }
-      if (n % 40 == 30 && ring.growing()) ring.end_sweep(at_ms(static_cast<double>(n) - 2), {});
+      if (n % 40 == 30 && ring.growing()) ring.end_sweep(at_ms(static_cast<double>(n) - 2), ledger);
       if (n % 16 == 0) std::this_thread::yield();
     }
-    if (ring.growing()) ring.end_sweep(at_ms(frames), {});
+    if (ring.growing()) ring.end_sweep(at_ms(frames), ledger);
     allocated = allocations.count();
   }
   EXPECT_FALSE(over) << "the live view saw a torn or an older frame";
@@ -102,6 +107,50 @@ TEST(FrameRingThreads, GrowingSweepsAndTheLiveViewAreReadWhileTheWriterRuns) {
   EXPECT_GT(swept, 0U);
   EXPECT_GT(live, 0U);
   EXPECT_EQ(ring.status().held, 0U);
+}
+
+TEST(FrameRingThreads, ASweepIsRenderedWhileItGrows) {
+  // Planes z = 0, 1, 2 ... mm of one shade each. A plane along z shows as many rows of data as frames came.
+  constexpr int frames = 60;
+  FrameRing ring(test::small_ring(80, 8, 2));
+  Sweep sweep = ring.begin_sweep(1, at_ms(0), {});
+  std::thread writer([&] {
+    for (int n = 0; n < frames; ++n) {
+      RingSlot* slot = ring.claim();
+      test::fill(*slot, static_cast<std::uint64_t>(n), at_ms(n));
+      test::pose(*slot, n);
+      ring.publish(*slot);
+      std::this_thread::yield();
+    }
+    ring.end_sweep(at_ms(frames), {});
+  });
+  ReslicePlane plane;
+  plane.origin.v = {2, 2, 0};
+  plane.down.v = Eigen::Vector3d::UnitZ();
+  plane.width = 10;
+  plane.height = frames;
+  plane.pixel_mm = 1;
+  RenderSettings settings;
+  settings.gap.mm = 0.4;
+  Serial serial;
+  int rendered = 0;
+  for (bool ended = false; !ended;) {
+    ended = sweep.ledger() != nullptr;
+    const SweepView view = sweep.view();
+    const auto came = static_cast<int>(view.frames.size());
+    const BandImage image = render_planar(view, plane, settings, serial);
+    for (int row = 0; row < frames; ++row) {
+      ASSERT_EQ(image.coverage.view()(5, row), row < came ? 1 : 0) << "row " << row << " of " << came;
+      if (row < came) {
+        ASSERT_EQ(image.pixels.view()(5, row), test::shade_of(static_cast<std::uint64_t>(row)));
+      }
+    }
+    ++rendered;
+    std::this_thread::yield();
+  }
+  writer.join();
+  EXPECT_GT(rendered, 0);
+  EXPECT_EQ(sweep.view().frames.size(), static_cast<std::size_t>(frames));
 }
 
 }  // namespace
