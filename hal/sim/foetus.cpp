@@ -12,6 +12,8 @@ namespace {
 
 // The mother's belly, the womb and its water.
 void add_surroundings(std::vector<Shape>& all) {
+  all.push_back(slab(-100, -3, tissue::air));
+  all.push_back(slab(-3, 0, tissue::gel));
   all.push_back(slab(0, 1.4F, tissue::skin));
   all.push_back(slab(1.4F, 4.2F, tissue::fat));
   all.push_back(slab(4.2F, 4.6F, tissue::fascia));
@@ -130,7 +132,7 @@ Anatomy foetus() {
   add_brain(all);
   const std::vector<Shape> bones = other_bones();
   all.insert(all.end(), bones.begin(), bones.end());
-  return {tissue::belly, all, {-80, 0, -80}, {80, 110, 80}};
+  return {tissue::belly, all, {-80, -30, -80}, {80, 110, 80}};
 }
 
 std::vector<Eigen::Vector2d> foetus_curve() {

@@ -10,6 +10,8 @@ constexpr Material bone{.echo_db = 6, .loss_db_mm = 4, .specular = 0.5F, .bone =
 constexpr Material thin_bone{.echo_db = 5, .loss_db_mm = 2.5F, .specular = 0.4F, .bone = true};
 constexpr Material skull{.echo_db = 5, .loss_db_mm = 3, .specular = 0.85F, .bone = true};
 constexpr Material fluid{.echo_db = -66, .loss_db_mm = -0.04F};  // negative: brighter behind
+constexpr Material air{.echo_db = -25, .loss_db_mm = 40};
+constexpr Material gel = fluid;  // between skin and probe
 constexpr Material blood{.echo_db = -56, .loss_db_mm = 0};
 constexpr Material vessel_wall{.echo_db = -18, .loss_db_mm = 0.1F, .specular = 0.6F};
 constexpr Material skin{.echo_db = -14, .loss_db_mm = 0.15F};

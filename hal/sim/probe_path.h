@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/time.h"
 #include "hal/sim/frames.h"
 
 namespace sonoband::sim {

@@ -47,6 +47,8 @@ Anatomy vessels() {
   add_tube(walls, lumens, bend({8, 19, 30}, {6.5F, 22, 60}, {0.4F, 0.5F, 0}), 1.5F, branch);
 
   std::vector<Shape> all;
+  all.push_back(slab(-100, -3, tissue::air));
+  all.push_back(slab(-3, 0, tissue::gel));
   all.push_back(slab(0, 1.5F, tissue::skin));
   all.push_back(slab(1.5F, 5.5F, tissue::fat));
   all.push_back(slab(5.5F, 5.9F, tissue::fascia));
@@ -56,7 +58,7 @@ Anatomy vessels() {
   all.push_back(slab(38, 38.6F, tissue::fascia));
   all.insert(all.end(), walls.begin(), walls.end());
   all.insert(all.end(), lumens.begin(), lumens.end());
-  return {tissue::flesh, all, {-40, 0, -75}, {40, 60, 75}, 1};
+  return {tissue::flesh, all, {-40, -30, -75}, {40, 60, 75}, 1};
 }
 
 }  // namespace sonoband::sim
