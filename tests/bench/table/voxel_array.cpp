@@ -1,4 +1,4 @@
-#include "tests/bench/peers/voxel_array.h"
+#include "tests/bench/table/voxel_array.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,20 @@
+// The speed tables. Run through tools/bench.
+#include <CLI/CLI.hpp>
+
+#include "tests/bench/table/cases.h"
+
+int main(int argc, char** argv) {
+  using namespace sonoband::bench;
+  CLI::App app{"Speed of narrow bands, ours beside a peer in one run"};
+  TableOptions options;
+  std::string json_file;
+  std::string filter;
+  app.add_flag("--peers", options.peers,
+               "compare with VTK's slab rendering of a voxel array of the same sweep");
+  app.add_option("--json", json_file, "write the rows as JSON to this file");
+  app.add_option("--filter", filter, "only cases whose name contains this");
+  app.add_option("--threads", options.threads, "threads of ours and of the peer")->check(CLI::Range(1, 64));
+  CLI11_PARSE(app, argc, argv);
+  const Table table = speed_table(options);
+  return measure(table.cases, filter, table.peer_name, json_file);
+}
