@@ -75,10 +75,12 @@ class FrameSource {
 
 // A raw contact edge, bounce included; hal/footswitch/debounce.h makes presses of them.
 struct PedalEdge {
-  Stamp time{};                // kernel stamp of the edge
-  bool closed = false;         // contact closed = pedal down
-  std::uint8_t pedal = 0;      // 0 is the record pedal
-  std::uint64_t sequence = 0;  // per pedal: a jump means edges were lost and `closed` was re-read
+  Stamp time{};            // kernel stamp of the edge
+  bool closed = false;     // contact closed = pedal down
+  std::uint8_t pedal = 0;  // 0 is the record pedal
+  // Per pedal, from 1: a jump means edges were lost and `closed` was re-read. 0 is no edge but the level at
+  // start and whenever the pedal has come back: a driver gives it first.
+  std::uint64_t sequence = 0;
 };
 
 class Footswitch {

@@ -100,7 +100,7 @@ Duration ProbePath::duration() const {
   return legs_.back().end;
 }
 
-WorldFromFace ProbePath::world_from_face(Duration elapsed) const {
+WorldFromFace ProbePath::world_from_face(Duration elapsed, Duration shake_time) const {
   Station at = legs_.front().from;
   if (elapsed > Duration(0) && elapsed < duration()) {
     const auto leg = std::find_if(legs_.begin(), legs_.end(), [&](const Leg& l) { return elapsed < l.end; });
@@ -110,7 +110,7 @@ WorldFromFace ProbePath::world_from_face(Duration elapsed) const {
     at.tilt_deg = leg->from.tilt_deg + u * (leg->to.tilt_deg - leg->from.tilt_deg);
     at.turn_deg = leg->from.turn_deg + u * (leg->to.turn_deg - leg->from.turn_deg);
   }
-  const double t = seconds(elapsed);
+  const double t = seconds(shake_time);
   const auto shake = [&](std::uint64_t axis) { return tremor(settings_.seed, axis, t); };
   at.place += settings_.tremor_mm * Vector3d(shake(0), shake(1), shake(2));
   const double wobble = settings_.tremor_deg * degree;

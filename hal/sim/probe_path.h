@@ -37,8 +37,10 @@ class ProbePath {
  public:
   ProbePath(const PathSettings& settings, const WorldFromPhantom& world_from_phantom);
 
-  // `elapsed` since the path's start; before it and after `duration` the probe hovers where it starts.
-  WorldFromFace world_from_face(Duration elapsed) const;
+  // `elapsed` since the path's start; before it and after `duration` the probe hovers where it starts. The
+  // tremor goes on by `shake`, a time of its own, so that starting the path again makes no jump.
+  WorldFromFace world_from_face(Duration elapsed, Duration shake) const;
+  WorldFromFace world_from_face(Duration elapsed) const { return world_from_face(elapsed, elapsed); }
 
   const std::vector<SweepTime>& sweeps() const { return sweeps_; }
   Duration duration() const;  // until the probe is home again
