@@ -1,25 +1,6 @@
 // sonoband-tool: recordings and bands on the command line.
-#include <cstdio>
-#include <exception>
-
-#include "app/bad_input.h"
 #include "tools/verbs.h"
 
 int main(int argc, char** argv) {
-  using namespace sonoband;
-  CLI::App tool{"Tracked ultrasound sequences: look at them, render them, convert them. Research use only."};
-  tool.require_subcommand(1);
-  tools::add_info(tool);
-  try {
-    tool.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return tool.exit(e) == 0 ? 0 : 2;
-  } catch (const BadInput& e) {
-    std::fprintf(stderr, "sonoband-tool: %s\n", e.what());
-    return 1;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "sonoband-tool: unexpected: %s\n", e.what());
-    return 1;
-  }
-  return 0;
+  return sonoband::tools::run_tool(argc, argv);
 }

@@ -1,0 +1,29 @@
+#include <cstdio>
+#include <exception>
+
+#include "app/bad_input.h"
+#include "tools/verbs.h"
+
+namespace sonoband::tools {
+
+int run_tool(int argc, const char* const* argv) {
+  CLI::App tool{"Tracked ultrasound sequences: look at them, render them, convert them. Research use only.",
+                "sonoband-tool"};
+  tool.require_subcommand(1);
+  add_info(tool);
+  add_convert(tool);
+  try {
+    tool.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return tool.exit(e) == 0 ? 0 : 2;
+  } catch (const BadInput& e) {
+    std::fprintf(stderr, "sonoband-tool: %s\n", e.what());
+    return 1;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "sonoband-tool: unexpected: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace sonoband::tools
