@@ -48,13 +48,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-void take_size(const Place& place, const std::string& value, Render& render) {
-  const auto sides = split(value, 'x');
-  if (sides.size() != 2) place.refuse("size must be WIDTHxHEIGHT, for example 640x480, not '" + value + "'");
-  render.width = static_cast<int>(number_in(place, "width", sides[0], 1, 8192));
-  render.height = static_cast<int>(number_in(place, "height", sides[1], 1, 8192));
-}
-
 void take_compounding(const Place& place, const std::string& value, Render& render) {
   if (value == "max") {
     render.settings.compounding = Compounding::maximum;
@@ -82,12 +75,12 @@ bool take_option(const Place& place, const std::string& name, const std::string&
     take_compounding(place, value, render);
   } else if (name == "interpolation") {
     take_interpolation(place, value, render);
-  } else if (name == "depth") {
-    render.depth = number_in(place, name, value, 0, 1);
-  } else if (name == "size") {
-    take_size(place, value, render);
-  } else if (name == "pixel-mm") {
-    render.pixel_mm = number_in(place, name, value, 0.01, 10);
+  } else if (name == "view") {
+    if (value != "level" && value != "upright")
+      place.refuse("view must be level or upright, not '" + value + "'");
+    render.view = value == "level" ? PlaneView::level : PlaneView::upright;
+  } else if (name == "at") {
+    render.at = number_in(place, name, value, 0, 1);
   } else {
     return false;
   }

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "core/reslice/band.h"
+#include "core/reslice/default_plane.h"
 
 namespace sonoband::script {
 
@@ -37,10 +38,8 @@ struct Await {
 struct Render {
   std::string file;
   RenderSettings settings;
-  double depth = 0.5;
-  int width = 640;
-  int height = 480;
-  double pixel_mm = 0.2;
+  PlaneView view = PlaneView::upright;
+  double at = 0.5;
 };
 struct Manifold {
   Render plane;  // where the curve is drawn, and how the band is painted

@@ -15,16 +15,31 @@ Eigen::Vector3d point_of(const TrackedFrame& f, double x, double y) {
   return (f.world_from_image * Point<frame::Image>{{x, y, 0}}).v;
 }
 
-Eigen::Vector3d middle_of(const TrackedFrame& f, double depth) {
-  return point_of(f, (f.bscan.pixels.width - 1) / 2.0, (f.bscan.pixels.height - 1) * depth);
-}
+// Where a frame is on the plane: the fraction `at` down its height (level) or across its width (upright).
+struct Cut {
+  PlaneView view;
+  double at;
+
+  Eigen::Vector3d through(const TrackedFrame& f) const {
+    const double x = view == PlaneView::level ? 0.5 : at;
+    const double y = view == PlaneView::level ? at : 0.5;
+    return point_of(f, (f.bscan.pixels.width - 1) * x, (f.bscan.pixels.height - 1) * y);
+  }
+  Eigen::Vector3d down(const TrackedFrame& f) const {
+    return f.world_from_image.linear.col(view == PlaneView::level ? 0 : 1).normalized();
+  }
+  // When the travel leaves no `down` across it.
+  Eigen::Vector3d other(const TrackedFrame& f) const {
+    return f.world_from_image.linear.col(view == PlaneView::level ? 1 : 0).normalized();
+  }
+};
 
 // Unit, along the longest axis of the frames' middles and pointing from the first to the last.
-Eigen::Vector3d travel(const SweepView& sweep, double depth, const Eigen::Vector3d& centre,
+Eigen::Vector3d travel(const SweepView& sweep, const Cut& cut, const Eigen::Vector3d& centre,
                        const Eigen::Vector3d& mean_normal) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const TrackedFrame* f : sweep.frames) {
-    const Eigen::Vector3d d = middle_of(*f, depth) - centre;
+    const Eigen::Vector3d d = cut.through(*f) - centre;
     scatter += d * d.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
@@ -33,31 +48,31 @@ Eigen::Vector3d travel(const SweepView& sweep, double depth, const Eigen::Vector
   // Less than a pixel of spread is tracker noise, not a sweep.
   if (spread_mm < pixel_width_mm(sweep)) return mean_normal;
   const Eigen::Vector3d axis = axes.eigenvectors().col(2);
-  const Eigen::Vector3d way =
-      middle_of(*sweep.frames.back(), depth) - middle_of(*sweep.frames.front(), depth);
+  const Eigen::Vector3d way = cut.through(*sweep.frames.back()) - cut.through(*sweep.frames.front());
   return axis.dot(way) < 0 ? Eigen::Vector3d(-axis) : axis;
 }
 
 }  // namespace
 
-std::optional<ReslicePlane> default_plane(const SweepView& sweep, double depth) {
+std::optional<ReslicePlane> default_plane(const SweepView& sweep, PlaneView view, double at) {
   if (sweep.frames.empty()) return std::nullopt;
+  const Cut cut{view, at};
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Vector3d mean_x = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_down = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_normal = Eigen::Vector3d::Zero();
   for (const TrackedFrame* f : sweep.frames) {
-    centre += middle_of(*f, depth);
-    mean_x += f->world_from_image.linear.col(0).normalized();
+    centre += cut.through(*f);
+    mean_down += cut.down(*f);
     mean_normal += f->world_from_image.linear.col(2);
   }
   centre /= static_cast<double>(sweep.frames.size());
   const Eigen::Vector3d first_normal = sweep.frames.front()->world_from_image.linear.col(2);
   const Eigen::Vector3d right =
-      travel(sweep, depth, centre, mean_normal.norm() > 1e-6 ? mean_normal.normalized() : first_normal);
-  const Eigen::Vector3d first_y = sweep.frames.front()->world_from_image.linear.col(1);
+      travel(sweep, cut, centre, mean_normal.norm() > 1e-6 ? mean_normal.normalized() : first_normal);
   // A probe swept along its own x has no x across the travel; its depth is then the other axis.
-  const bool sideways = mean_x.cross(right).norm() < 0.1 * mean_x.norm() || mean_x.norm() < 1e-6;
-  auto plane = make_plane(centre, right, sideways ? first_y : mean_x, 1, 1, pixel_width_mm(sweep));
+  const bool along = mean_down.norm() < 1e-6 || mean_down.cross(right).norm() < 0.1 * mean_down.norm();
+  auto plane = make_plane(centre, right, along ? cut.other(*sweep.frames.front()) : mean_down, 1, 1,
+                          pixel_width_mm(sweep));
   if (!plane) return std::nullopt;
 
   Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());

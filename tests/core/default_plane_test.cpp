@@ -29,7 +29,7 @@ struct StraightSweep {
 
 TEST(DefaultPlane, LiesAcrossTheFramesAndHoldsThemAll) {
   const StraightSweep sweep(5, 1.0);
-  const auto plane = default_plane(sweep.view(), 0.5);
+  const auto plane = default_plane(sweep.view(), PlaneView::level, 0.5);
   ASSERT_TRUE(plane);
   EXPECT_TRUE(plane->right.v.isApprox(Eigen::Vector3d::UnitZ(), 1e-9)) << plane->right.v.transpose();
   EXPECT_TRUE(plane->down.v.isApprox(Eigen::Vector3d::UnitX(), 1e-9)) << plane->down.v.transpose();
@@ -39,16 +39,27 @@ TEST(DefaultPlane, LiesAcrossTheFramesAndHoldsThemAll) {
   EXPECT_EQ(plane->pixel_mm, 0.5);
 }
 
+TEST(DefaultPlane, UprightRunsFromTheProbeIntoTheBody) {
+  const StraightSweep sweep(5, 1.0);
+  const auto plane = default_plane(sweep.view(), PlaneView::upright, 0.2);
+  ASSERT_TRUE(plane);
+  EXPECT_TRUE(plane->right.v.isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+  EXPECT_TRUE(plane->down.v.isApprox(Eigen::Vector3d::UnitY(), 1e-9));
+  EXPECT_TRUE(plane->origin.v.isApprox(Eigen::Vector3d(1, 0, 0), 1e-9)) << plane->origin.v.transpose();
+  EXPECT_EQ(plane->width, 9);
+  EXPECT_EQ(plane->height, 21);
+}
+
 TEST(DefaultPlane, AProbeThatDidNotTravelIsSeenAlongItsNormal) {
   const StraightSweep sweep(4, 0.0);
-  const auto plane = default_plane(sweep.view(), 0.0);
+  const auto plane = default_plane(sweep.view(), PlaneView::level, 0.0);
   ASSERT_TRUE(plane);
   EXPECT_TRUE(plane->right.v.isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
   EXPECT_EQ(plane->width, 1);
 }
 
 TEST(DefaultPlane, NoFramesNoPlane) {
-  EXPECT_FALSE(default_plane({}, 0.5));
+  EXPECT_FALSE(default_plane({}));
 }
 
 }  // namespace

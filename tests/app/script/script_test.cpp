@@ -23,7 +23,7 @@ wait 1.5
 press
 release   # the pedal
 await review 10
-render thick.png thickness-mm=14 compounding=mean interpolation=linear depth=0.4 size=320x240 pixel-mm=0.4
+render thick.png thickness-mm=14 compounding=mean interpolation=linear view=level at=0.4
 manifold spine.png curve=1,2;3,4.5 reach-mm=12 thickness-mm=7.2
 )",
                            "exam.script");
@@ -37,10 +37,8 @@ manifold spine.png curve=1,2;3,4.5 reach-mm=12 thickness-mm=7.2
   EXPECT_EQ(render.settings.band.thickness_mm, 14);
   EXPECT_EQ(render.settings.compounding, Compounding::mean);
   EXPECT_EQ(render.settings.interpolation, Interpolation::linear);
-  EXPECT_EQ(render.depth, 0.4);
-  EXPECT_EQ(render.width, 320);
-  EXPECT_EQ(render.height, 240);
-  EXPECT_EQ(render.pixel_mm, 0.4);
+  EXPECT_EQ(render.view, PlaneView::level);
+  EXPECT_EQ(render.at, 0.4);
   const auto& manifold = std::get<Manifold>(steps[5].action);
   ASSERT_EQ(manifold.curve_mm.size(), 2u);
   EXPECT_EQ(manifold.curve_mm[1][1], 4.5);
@@ -62,8 +60,7 @@ TEST(Script, RefusalsNameFileLineAndCure) {
             "exam.script:1: compounding must be max, min or mean, not 'sum'");
   EXPECT_EQ(refusal("render a.png thick"),
             "exam.script:1: 'thick' is no option; options are written name=value");
-  EXPECT_EQ(refusal("render a.png size=3"),
-            "exam.script:1: size must be WIDTHxHEIGHT, for example 640x480, not '3'");
+  EXPECT_EQ(refusal("render a.png view=top"), "exam.script:1: view must be level or upright, not 'top'");
   EXPECT_EQ(refusal("manifold a.png curve=1,2"),
             "exam.script:1: manifold needs curve=x,y;x,y;... with at least two points");
   EXPECT_EQ(refusal("press now"), "exam.script:1: press stands alone on its line");
