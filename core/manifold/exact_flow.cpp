@@ -133,12 +133,14 @@ void ExactSide::prepare_corner(int corner) {
   const PlanePoint first(-std::sin(c.half_angle), std::cos(c.half_angle));
   const PlanePoint last(-first.x(), first.y());
   const double spread = 2 * std::sin(c.half_angle / 2);
+  // Behind both ends of the arc and its middle is behind all of it.
+  const auto behind = [&](const PlanePoint& a, const PlanePoint& b, double stray) {
+    return std::max({a.y(), b.y(), first.dot(a), first.dot(b), last.dot(a), last.dot(b)}) + stray <= 0;
+  };
   const auto reject = [&](const PlanePoint& wa, const PlanePoint& wb, double stray) {
     const PlanePoint a = in_frame(wa, c.at, c.along, c.out);
     const PlanePoint b = in_frame(wb, c.at, c.along, c.out);
-    // Behind both ends of the arc is behind all of it.
-    if (std::max(first.dot(a), first.dot(b)) + stray <= 0 && std::max(last.dot(a), last.dot(b)) + stray <= 0)
-      return true;
+    if (behind(a, b, stray)) return true;
     const PlanePoint centre(0, element.dies);
     const double reach = element.dies * (1 + spread) + stray;
     return (centre - nearest_on_segment(centre, a, b)).squaredNorm() >= reach * reach;
@@ -147,7 +149,7 @@ void ExactSide::prepare_corner(int corner) {
     if (j == corner || j == after) return;
     const PlanePoint a = in_frame(side_.vertices[j], c.at, c.along, c.out);
     const PlanePoint b = in_frame(side_.vertices[j + 1], c.at, c.along, c.out);
-    if (std::max(first.dot(a), first.dot(b)) <= 0 && std::max(last.dot(a), last.dot(b)) <= 0) return;
+    if (behind(a, b, 0)) return;
     // 1 / touch_radius is a support function of the inverted segment, which lies within 1 / distance: it
     // grows by at most that times the chord of the turn. And no disc reaches farther than its diameter.
     const double distance = distance_to_segment(PlanePoint::Zero(), a, b);
@@ -214,7 +216,8 @@ void ExactSide::add_corner(int corner, double h, Front& front) const {
   const double least = least_piece / h;
   for (const Shade& shade : element.shades) {
     if (shade.from >= h || rest.empty(least)) break;
-    rest.take(cut_arc(h, c.half_angle, shade.a, shade.b));
+    const ArcCuts lost = cut_arc(h, c.half_angle, shade.a, shade.b);
+    for (int i = 0; i < lost.count; ++i) rest.take(lost.cuts[i]);
   }
   rest.add_to(front, corner_element(corner), least);
 }

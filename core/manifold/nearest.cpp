@@ -60,13 +60,24 @@ class Search {
     int i = 0;
     for (int r = first; r < static_cast<int>(rulings_.size()); ++r) {
       const Standing& s = rulings_[r];
-      while (i < size() && (front_[i].element < s.element ||
-                            (front_[i].element == s.element && front_[i].to + on_piece < s.along)))
-        ++i;
+      while (i < size() && front_[i].element < s.element) ++i;
+      const bool on_corner = s.element % 2 == 1;
+      if (!on_corner)
+        while (i < size() && front_[i].element == s.element && front_[i].to + on_piece < s.along) ++i;
       if (i == size()) break;
-      if (front_[i].element != s.element || s.along < front_[i].from - on_piece) continue;
-      survivors_.push_back({r, {i, s.along}});
-      feet_[r] = point_at(side_, s.element, s.along, h_);
+      if (front_[i].element != s.element) continue;
+      // All of a corner's arc is equally near to a ruling on it.
+      Place place{i, on_corner ? std::clamp(0.0, front_[i].from, front_[i].to) : s.along};
+      if (on_corner) {
+        for (int j = i + 1; j < size() && front_[j].element == s.element; ++j) {
+          const double at = std::clamp(0.0, front_[j].from, front_[j].to);
+          if (std::abs(at) < std::abs(place.at)) place = {j, at};
+        }
+      } else if (s.along < front_[i].from - on_piece) {
+        continue;
+      }
+      survivors_.push_back({r, place});
+      feet_[r] = point_at(side_, s.element, place.at, h_);
     }
   }
 

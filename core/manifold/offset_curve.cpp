@@ -14,11 +14,7 @@ constexpr double no_turn = 1e-9;
 Side::Corner corner_between(const Side::Edge& before, const Side::Edge& after, double sign) {
   Side::Corner corner;
   corner.at = before.start + before.length * before.along;
-  // Positive where the curve turns away from this side.
-  const double sine = -sign * cross(before.along, after.along);
-  const double cosine = before.along.dot(after.along);
-  // Turning exactly back is a half turn away from both sides: each gets the half circle about the tip.
-  const double turn = cosine < 0 && sine == 0 ? M_PI : std::atan2(sine, cosine);
+  const double turn = turn_away(before.along, after.along, sign);
   const double c = std::cos(turn / 2), s = std::sin(turn / 2);
   corner.along = c * before.along - s * before.out;
   corner.out = c * before.out + s * before.along;
@@ -28,6 +24,13 @@ Side::Corner corner_between(const Side::Edge& before, const Side::Edge& after, d
 }
 
 }  // namespace
+
+double turn_away(const PlanePoint& along_before, const PlanePoint& along_after, double sign) {
+  const double sine = -sign * cross(along_before, along_after);
+  const double cosine = along_before.dot(along_after);
+  if (cosine < 0 && std::abs(sine) < no_turn) return M_PI;
+  return std::atan2(sine, cosine);
+}
 
 OffsetCurve::OffsetCurve(const Curve& curve, double step_mm) : step_mm_(step_mm) {
   PlanePoint low = curve.vertices.front();

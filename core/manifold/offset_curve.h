@@ -72,6 +72,10 @@ struct Standing {
   double along = 0;
 };
 
+// By how much a curve turns away from the side between two edges, in radians: negative where it turns towards
+// it. Turning straight back, to within 1e-9, is a half turn away from both sides.
+double turn_away(const PlanePoint& along_before, const PlanePoint& along_after, double sign);
+
 // The curve in steps, and both of its sides.
 class OffsetCurve {
  public:

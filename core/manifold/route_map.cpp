@@ -72,11 +72,7 @@ class RouteMap {
   // How far beyond their corner two edges' parallels meet, per unit of distance: tan of half the turn away
   // from this side.
   double reach(int before, int after) const {
-    const PlanePoint& a = side_.edges[before].along;
-    const PlanePoint& b = side_.edges[after].along;
-    const double sine = -side_.sign * cross(a, b);
-    const double cosine = a.dot(b);
-    const double turn = cosine < 0 && sine == 0 ? M_PI : std::atan2(sine, cosine);
+    const double turn = turn_away(side_.edges[before].along, side_.edges[after].along, side_.sign);
     return std::clamp(std::tan(turn / 2), -fastest_shock, fastest);
   }
 

@@ -81,21 +81,19 @@ Cut cut_parallel(double h, const PlanePoint& a, const PlanePoint& b) {
 
 namespace {
 
-// Adds the part of (from, to), an angle up to whole turns, that lies on the arc.
-void add_turned(Cut& cut, double from, double to, double half_angle) {
+// Adds (from, to), an angle up to whole turns, where it meets the arc.
+void add_turned(ArcCuts& cuts, double from, double to, double half_angle) {
   if (!(from < to)) return;
-  for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI}) {
-    const double a = std::max(from + turn, -half_angle - 1);
-    const double b = std::min(to + turn, half_angle + 1);
-    if (b > -half_angle && a < half_angle) cut.add(a, b);
-  }
+  for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI})
+    if (to + turn > -half_angle && from + turn < half_angle)
+      cuts.cuts[cuts.count++] = {from + turn, to + turn};
 }
 
 }  // namespace
 
-Cut cut_arc(double h, double half_angle, const PlanePoint& a, const PlanePoint& b) {
+ArcCuts cut_arc(double h, double half_angle, const PlanePoint& a, const PlanePoint& b) {
   const double r = h * (1 - equal_share);
-  Cut cut;
+  ArcCuts cuts;
   for (const PlanePoint& q : {a, b}) {
     const double d = q.norm();
     if (d == 0) continue;
@@ -103,11 +101,11 @@ Cut cut_arc(double h, double half_angle, const PlanePoint& a, const PlanePoint& 
     if (cosine >= 1) continue;
     const double half = std::acos(cosine);
     const double centre = std::atan2(q.x(), q.y());
-    add_turned(cut, centre - half, centre + half, half_angle);
+    add_turned(cuts, centre - half, centre + half, half_angle);
   }
   const PlanePoint span = b - a;
   const double length = span.norm();
-  if (length == 0) return cut;
+  if (length == 0) return cuts;
   const PlanePoint t = span / length;
   PlanePoint normal = quarter_turn(t);
   double distance = normal.dot(a);
@@ -118,26 +116,25 @@ Cut cut_arc(double h, double half_angle, const PlanePoint& a, const PlanePoint& 
   // Angles whose foot lies within the segment, on either side of its direction, and not beyond the line by r.
   const double low = t.dot(a) / h;
   const double high = low + length / h;
-  if (low >= 1 || high <= -1) return cut;
+  if (low >= 1 || high <= -1) return cuts;
   const double near_half = high >= 1 ? 0.0 : std::acos(high);
   const double far_half = low <= -1 ? M_PI : std::acos(low);
   // Seen from the origin the line lies towards `normal`: -normal is the direction away from it, where points
   // are distance + h from the line.
   const double lost_below = (distance - r) / h;  // cosine to `normal` above which a point is within r
-  if (lost_below >= 1) return cut;
+  if (lost_below >= 1) return cuts;
   const double lost_half = lost_below <= -1 ? M_PI : std::acos(lost_below);
   const double toward = std::atan2(t.x(), t.y());
   const double centre = std::atan2(normal.x(), normal.y());
   for (const double side : {-1.0, 1.0}) {
-    double from = toward + (side > 0 ? near_half : -far_half);
-    double to = toward + (side > 0 ? far_half : -near_half);
-    // The lost angles are centre +- lost_half; both intervals to the same turn.
-    const double turn = 2 * M_PI * std::round((0.5 * (from + to) - centre) / (2 * M_PI));
-    from = std::max(from, centre + turn - lost_half);
-    to = std::min(to, centre + turn + lost_half);
-    add_turned(cut, from, to, half_angle);
+    const double from = toward + (side > 0 ? near_half : -far_half);
+    const double to = toward + (side > 0 ? far_half : -near_half);
+    // The lost angles are centre +- lost_half, up to whole turns.
+    for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI})
+      add_turned(cuts, std::max(from, centre + turn - lost_half), std::min(to, centre + turn + lost_half),
+                 half_angle);
   }
-  return cut;
+  return cuts;
 }
 
 }  // namespace sonoband::flow

@@ -61,7 +61,7 @@ TEST(Flow, CircleShrinksToItsCentreAndGrows) {
     }
     for (const auto& foot : result.layer(k).feet) {
       ASSERT_EQ(foot.has_value(), k < radius) << k;
-      if (foot) EXPECT_NEAR(foot->norm(), radius - k, 1e-3);
+      EXPECT_NEAR(foot ? foot->norm() : radius - k, radius - k, 1e-3);
     }
     EXPECT_EQ(result.layer(k).front.empty(), k >= radius) << k;
     // Closed: the first point comes again at the end.
@@ -92,9 +92,9 @@ TEST(Flow, VSmearsTwoKCotThetaRows) {
           EXPECT_EQ(at_shock, from_corner <= k / std::tan(th) + 1e-9) << between << " " << k << " " << i;
           // On the outer side every ruling has a place of its own.
           ASSERT_TRUE(result.layer(-k).feet[i]);
-          if (i > 0)
-            EXPECT_GT((*result.layer(-k).feet[i] - *result.layer(-k).feet[i - 1]).norm(), 0.9)
-                << between << " " << k << " " << i;
+          if (i == 0) continue;
+          EXPECT_GT((*result.layer(-k).feet[i] - *result.layer(-k).feet[i - 1]).norm(), 0.9)
+              << between << " " << k << " " << i;
         }
         EXPECT_NEAR(smeared, 2 * k / std::tan(th), 1) << between << " " << k;
       }
@@ -110,7 +110,8 @@ TEST(Flow, OuterSideOfACornerIsAnArc) {
     if (p.x() > -20 * std::sqrt(0.5) + 1e-9) continue;
     EXPECT_NEAR(p.norm(), 20, 1e-9);
     const double angle = std::atan2(-p.y(), -p.x());
-    if (on_arc++ > 0) EXPECT_GT(angle, last_angle);
+    EXPECT_TRUE(on_arc == 0 || angle > last_angle);
+    ++on_arc;
     last_angle = angle;
   }
   EXPECT_GT(on_arc, 20);
@@ -143,11 +144,10 @@ double share_changed(const CurveFlow& a, const CurveFlow& b, const Motion& motio
   return static_cast<double>(changed) / all;
 }
 
-// Shapes that are symmetric themselves, or run back along themselves, are full of ties.
-double allowed(const std::string& name) {
-  return name == "back_along_itself" || name == "needle" || name == "spiral" || name == "spiral_inwards"
-             ? 0.02
-             : 0.002;
+// A ruling in the middle between two parts of a symmetric front, in every layer. Where the curve runs back
+// along itself, both passes' rulings are.
+double allowed(const test::Shape& shape) {
+  return shape.name == "back_along_itself" || shape.name == "needle" ? 0.01 : 0.002;
 }
 
 TEST_P(Symmetry, ReversalSwapsTheSides) {
@@ -157,14 +157,14 @@ TEST_P(Symmetry, ReversalSwapsTheSides) {
   ASSERT_EQ(forth.rulings.size(), back.rulings.size());
   std::reverse(back.layers.begin(), back.layers.end());
   for (FlowLayer& layer : back.layers) std::reverse(layer.feet.begin(), layer.feet.end());
-  EXPECT_LE(share_changed(forth, back, {0, {0, 0}}), allowed(GetParam().name));
+  EXPECT_LE(share_changed(forth, back, {0, {0, 0}}), allowed(GetParam()));
 }
 
 TEST_P(Symmetry, RigidMotionMovesEverythingWithIt) {
   const Motion motion{0.7, {310, -120}};
   Curve moved = GetParam().curve;
   for (PlanePoint& v : moved.vertices) v = motion * v;
-  EXPECT_LE(share_changed(flow(GetParam().curve, 36), flow(moved, 36), motion), allowed(GetParam().name));
+  EXPECT_LE(share_changed(flow(GetParam().curve, 36), flow(moved, 36), motion), allowed(GetParam()));
 }
 
 TEST_P(Symmetry, MoreVerticesOnTheSameEdgesChangeNothing) {
@@ -178,7 +178,7 @@ TEST_P(Symmetry, MoreVerticesOnTheSameEdgesChangeNothing) {
     split.vertices.push_back((1 - s) * curve.edge_start(e) + s * curve.edge_end(e));
   }
   if (!curve.closed) split.vertices.push_back(curve.vertices.back());
-  EXPECT_LE(share_changed(flow(curve, 36), flow(split, 36), {0, {0, 0}}), allowed(GetParam().name));
+  EXPECT_LE(share_changed(flow(curve, 36), flow(split, 36), {0, {0, 0}}), allowed(GetParam()));
 }
 
 TEST_P(Symmetry, SameBitsForAnyOrderOfTasks) {

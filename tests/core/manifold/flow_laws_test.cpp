@@ -202,8 +202,7 @@ TEST_P(GentleShape, ExactFeetAreTheNearestOfTheWholeFront) {
 TEST_P(GentleShape, NaiveBreaksTheDistanceLaw) {
   const Curve& curve = GetParam().curve;
   const int wrong = misplaced_in_all(curve, FlowMethod::naive);
-  if (GetParam().name.starts_with("straight") || GetParam().name == "hairpin_wider_than_the_band" ||
-      GetParam().name == "circle" || GetParam().name == "smooth_1") {
+  if (GetParam().name.starts_with("straight")) {
     EXPECT_EQ(wrong, 0);
   } else {
     EXPECT_GT(wrong, 0);
@@ -212,7 +211,7 @@ TEST_P(GentleShape, NaiveBreaksTheDistanceLaw) {
 
 // Figure 9b: the swallowtail of a tight corner, and the same structure shown twice.
 TEST(Figure9, NaiveFrontsOfACornerCrossThemselves) {
-  for (const int angle : {60, 90, 120, 150}) {
+  for (const int angle : {50, 85, 120, 145}) {
     const Curve v = test::v_curve(angle, 200);
     EXPECT_GT(crossings_in_all(v, FlowMethod::naive), 0) << angle;
     EXPECT_GT(misplaced_in_all(v, FlowMethod::naive), 0) << angle;
@@ -225,9 +224,10 @@ TEST(Figure9, NaiveFrontsOfACornerCrossThemselves) {
 // Measured failures of the paper's route map on curves that come back within the band, or were not smoothed.
 TEST(Figure10, RouteMapRunsThroughWhatIsNotItsNeighbour) {
   for (const Shape& shape : test::hard_shapes()) {
-    if (shape.name == "hairpin_narrower_than_the_band" || shape.name == "pocket" || shape.name == "spiral" ||
-        shape.name == "raw_stroke")
-      EXPECT_GT(misplaced_in_all(shape.curve, FlowMethod::route_map), 0) << shape.name;
+    if (shape.name != "hairpin_narrower_than_the_band" && shape.name != "pocket" && shape.name != "spiral" &&
+        shape.name != "raw_stroke")
+      continue;
+    EXPECT_GT(misplaced_in_all(shape.curve, FlowMethod::route_map), 0) << shape.name;
   }
 }
 

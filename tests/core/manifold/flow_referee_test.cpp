@@ -2,8 +2,8 @@
 // itself (Huygens: the front of a front is the next front).
 #include <gtest/gtest.h>
 
+#include <clipper.hpp>
 #include <cmath>
-#include <polyclipping/clipper.hpp>
 #include <set>
 
 #include "core/manifold/flow.h"
@@ -28,13 +28,22 @@ std::vector<PlaneLine> outline(const CurveFlow& result, const Curve& curve, int 
     const PlanePoint& end = last ? curve.vertices.back() : curve.vertices.front();
     const PlanePoint inwards =
         last ? curve.vertices[curve.vertices.size() - 2] - end : curve.vertices[1] - end;
+    const double first = std::atan2(inwards.y(), inwards.x()) + M_PI / 2;
+    const auto at = [&](double a) -> PlanePoint { return end + k * PlanePoint(std::cos(a), std::sin(a)); };
+    const auto free = [&](double a) { return test::distance_to_curve(at(a), curve) > k - 1e-6; };
+    // Ends of a cap, where the curve shades it, by bisection.
+    const auto boundary = [&](double in, double out) {
+      for (int i = 0; i < 20; ++i) (free(0.5 * (in + out)) ? in : out) = 0.5 * (in + out);
+      return at(in);
+    };
     PlaneLine cap;
     for (int i = 0; i <= 180; ++i) {
-      const double a = std::atan2(inwards.y(), inwards.x()) + M_PI / 2 + M_PI * i / 180;
-      const PlanePoint p = end + k * PlanePoint(std::cos(a), std::sin(a));
-      if (test::distance_to_curve(p, curve) > k - 1e-6) {
-        cap.push_back(p);
+      const double a = first + M_PI * i / 180, before = a - M_PI / 180;
+      if (free(a)) {
+        if (i > 0 && cap.empty()) cap.push_back(boundary(a, before));
+        cap.push_back(at(a));
       } else if (!cap.empty()) {
+        cap.push_back(boundary(before, a));
         lines.push_back(std::move(cap));
         cap.clear();
       }
@@ -49,14 +58,13 @@ INSTANTIATE_TEST_SUITE_P(Flow, Referee, testing::ValuesIn(test::all_shapes()),
                          [](const auto& shape) { return shape.param.name; });
 
 // Each point of Clipper's round offset of the whole path lies on our outline and the other way round.
-TEST_P(Referee, OutlineIsClippersRoundOffset) {
+void agree_with_clipper(const Curve& curve, const std::vector<int>& layers) {
   constexpr double unit = 1e5;  // integers per mm
-  const Curve& curve = GetParam().curve;
   ClipperLib::Path path;
   for (const PlanePoint& v : curve.vertices)
     path.emplace_back(std::llround(v.x() * unit), std::llround(v.y() * unit));
-  const CurveFlow result = flow(curve, 36);
-  for (const int k : {3, 13, 26, 36}) {
+  const CurveFlow result = flow(curve, layers.back());
+  for (const int k : layers) {
     ClipperLib::ClipperOffset offset(2, 0.002 * unit);
     offset.AddPath(path, ClipperLib::jtRound,
                    curve.closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
@@ -78,6 +86,24 @@ TEST_P(Referee, OutlineIsClippersRoundOffset) {
         for (std::size_t i = 0; i < line.size(); i += 3)
           ASSERT_LT(test::distance_to_lines(line[i], theirs), 0.02) << k << " at " << line[i].transpose();
   }
+}
+
+TEST_P(Referee, OutlineIsClippersRoundOffset) {
+  agree_with_clipper(GetParam().curve, {3, 13, 26, 36});
+}
+
+TEST(Flow, OutlineOfAnythingIsClippersRoundOffset) {
+  std::mt19937 random(4);
+  int made = 0;
+  for (int round = 0; round < 60; ++round) {
+    const CurveResult curve =
+        make_curve(test::nasty_stroke(random), {.pixel_mm = 1, .smooth_px = 0, .closed = round % 4 == 0});
+    if (curve.fault != CurveFault::none) continue;
+    ++made;
+    SCOPED_TRACE(round);
+    agree_with_clipper(curve.curve, {2, 9});
+  }
+  EXPECT_GT(made, 30);
 }
 
 // Where the distance map crosses k on a grid of a quarter step, there is our outline within one diagonal.
@@ -127,11 +153,11 @@ TEST_P(Referee, FrontOfAFrontIsTheNextFront) {
       for (std::size_t i = 0; i < line.size(); i += 3) {
         // Beside a broken-off end the new front may go on where the curve's own end shades the old one.
         if (test::distance_to_curve(line[i], GetParam().curve) < 20 - 0.05) continue;
-        ASSERT_LT(test::distance_to_lines(line[i], last), 0.05) << line[i].transpose();
+        ASSERT_LT(test::distance_to_lines(line[i], last), 0.1) << line[i].transpose();
       }
     for (const PlaneLine& line : last)
       for (std::size_t i = 0; i < line.size(); i += 3)
-        ASSERT_LT(test::distance_to_lines(line[i], onwards.layer(13 * sign).front), 0.05)
+        ASSERT_LT(test::distance_to_lines(line[i], onwards.layer(13 * sign).front), 0.1)
             << line[i].transpose();
   }
 }

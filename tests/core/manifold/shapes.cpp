@@ -99,8 +99,8 @@ std::vector<Shape> gentle_shapes() {
 std::vector<Shape> hard_shapes() {
   std::vector<PlanePoint> loop;
   for (int i = 0; i <= 60; ++i) {
-    const double a = M_PI * 1.25 - 2.5 * M_PI * i / 60;
-    loop.emplace_back(60 * std::cos(a) + i * 1.5, 60 * std::sin(a));
+    const double a = M_PI * 1.75 - 2.5 * M_PI * i / 60;
+    loop.emplace_back(60 * std::cos(a) + i * 0.5, 60 * std::sin(a));
   }
   std::vector<PlanePoint> star;
   for (int i = 0; i < 10; ++i) {
@@ -139,6 +139,42 @@ std::vector<Shape> all_shapes() {
   std::vector<Shape> shapes = gentle_shapes();
   for (Shape& shape : hard_shapes()) shapes.push_back(std::move(shape));
   return shapes;
+}
+
+std::vector<PlanePoint> nasty_stroke(std::mt19937& random) {
+  std::uniform_int_distribution<int> count(0, 25), habit(0, 8), lattice(-4, 4), rare(0, 400);
+  std::uniform_real_distribution<double> wide(-60, 60), tiny(-1e-7, 1e-7);
+  std::vector<PlanePoint> points;
+  const int n = count(random);
+  while (static_cast<int>(points.size()) < n) {
+    const PlanePoint last = points.empty() ? PlanePoint(0, 0) : points.back();
+    const PlanePoint before = points.size() < 2 ? PlanePoint(1, 0) : points[points.size() - 2];
+    switch (habit(random)) {
+      case 0:
+        points.push_back(last);
+        break;
+      case 1:
+        points.push_back(last + 0.5 * (last - before));
+        break;
+      case 2:
+        points.push_back(before);
+        break;
+      case 3:
+        points.push_back(last + PlanePoint(tiny(random), tiny(random)));
+        break;
+      case 4:
+        points.push_back(0.5 * (last + before));
+        break;
+      case 5:
+        points.emplace_back(wide(random), wide(random));
+        break;
+      default:
+        points.emplace_back(10 * lattice(random), 10 * lattice(random));
+    }
+    if (rare(random) == 0) points.back().x() = std::numeric_limits<double>::quiet_NaN();
+    if (rare(random) == 0) points.back().y() = 1e200;
+  }
+  return points;
 }
 
 Curve reversed(const Curve& curve) {

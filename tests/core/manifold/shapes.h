@@ -2,6 +2,7 @@
 #pragma once
 
 #include <ostream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ Curve v_curve(double between_deg, double arm);
 Curve circle(double radius, int corners);
 // As a hand draws: a wandering line of `points` points 2 mm apart; jitter is the deviation of each, in mm.
 std::vector<PlanePoint> stroke(unsigned seed, int points, double jitter);
+
+// Points drawn from habits that break geometry: repeats, collinear runs, coordinates on a lattice, tiny and
+// huge steps, straight returns, and now and then what is not a number.
+std::vector<PlanePoint> nasty_stroke(std::mt19937& random);
 
 Curve reversed(const Curve& curve);
 
