@@ -56,8 +56,8 @@ class BytePort {
   enum class Closing : std::uint8_t {
     release,
     reset
-  };  // reset: a USB reset on the way, to wake a hung device
-  virtual void close(Closing how) = 0;
+  };                                    // reset: a USB reset on the way, to wake a hung device
+  virtual void close(Closing how) = 0;  // of a closed port: nothing to do
 };
 
 }  // namespace sonoband

@@ -1,0 +1,126 @@
+#include "hal/tracker/station_stream.h"
+
+namespace sonoband {
+
+using namespace liberty;
+
+void StationStream::begin(int station, Duration period, std::uint32_t& next_epoch, Stamp now) {
+  const std::optional<PoseSample> last = last_;
+  *this = StationStream();
+  last_ = last;  // for the mark, and so that time goes on
+  station_ = station;
+  period_ = period;
+  next_epoch_ = &next_epoch;
+  last_heard_ = now;
+  frames_ = FrameCounter(period);
+  filter_ = ArrivalFilter(period);
+  epoch_ = next_epoch++;
+}
+
+void StationStream::new_epoch() {
+  epoch_ = (*next_epoch_)++;
+  filter_.restart(period_);
+  continuity_.restart();
+  placed_frame_.reset();
+}
+
+std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, LinkCounters& counters,
+                                           LinkReason& reason) {
+  heard_ = true;
+  last_heard_ = arrived;
+
+  const FrameCounter::Verdict order = frames_.judge(*record.frame, *record.time_ms);
+  lost_ += order.lost;
+  switch (order.step) {
+    case FrameCounter::Step::duplicate:
+      ++counters.duplicates;
+      return std::nullopt;
+    case FrameCounter::Step::doubtful:
+      ++counters.doubtful;
+      return std::nullopt;
+    case FrameCounter::Step::new_epoch:
+      new_epoch();
+      break;
+    case FrameCounter::Step::in_order:
+      break;
+  }
+
+  std::optional<Stamp> time = filter_.on_arrival(*record.frame, arrived);
+  if (filter_.broken() != broken_) {
+    broken_ = filter_.broken();
+    epoch_ = (*next_epoch_)++;
+  }
+
+  Reading reading;
+  reading.station = station_;
+  PoseSample& pose = reading.pose;
+  pose.quality = PoseQuality::good;
+  const auto worse = [&](PoseQuality q, LinkReason r) {
+    pose.quality = q;
+    reason = r;
+  };
+  switch (classify(record.error)) {
+    case ErrorKind::none:
+    case ErrorKind::notice:
+      break;
+    case ErrorKind::self_test:
+      worse(PoseQuality::degraded, LinkReason::self_test);
+      break;
+    case ErrorKind::outside_map:
+      worse(PoseQuality::outside, LinkReason::outside_map);
+      break;
+    default:
+      worse(PoseQuality::fault, LinkReason::source_fault);
+      break;
+  }
+  if (usable(pose.quality) && *record.distortion == 1)
+    worse(PoseQuality::degraded, LinkReason::some_distortion);
+  if (usable(pose.quality) && *record.distortion == 2)
+    worse(PoseQuality::distorted, LinkReason::high_distortion);
+
+  const Eigen::Vector4d& wxyz = *record.quaternion_wxyz;
+  Eigen::Quaterniond q = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
+  if (usable(pose.quality) || pose.quality == PoseQuality::distorted) {
+    const std::uint32_t frames = placed_frame_ ? *record.frame - *placed_frame_ : 0;
+    placed_frame_ = record.frame;
+    switch (continuity_.judge(*record.position_mm, q, frames * period_)) {
+      case PoseContinuity::Step::follows:
+        break;
+      case PoseContinuity::Step::mirrored:
+        ++counters.mirrored;
+        worse(PoseQuality::outside, LinkReason::mirrored);
+        break;
+      case PoseContinuity::Step::jumped:
+        ++counters.jumps;
+        return std::nullopt;
+      case PoseContinuity::Step::new_place:
+        epoch_ = (*next_epoch_)++;
+        break;
+    }
+  }
+
+  if (!time) {
+    ++counters.settling;
+    return std::nullopt;
+  }
+  if (last_ && *time <= last_->time) *time = last_->time + Duration(1);
+  pose.time = *time;
+  pose.tracker_from_probe = rigid<frame::Tracker, frame::Probe>(q, *record.position_mm);
+  pose.epoch = epoch_;
+  pose.device_frame = *record.frame;
+  pose.device_ms = *record.time_ms;
+  pose.arrived = arrived;
+  last_ = pose;
+  ++counters.readings;
+  return reading;
+}
+
+std::optional<Reading> StationStream::mark_missing(Stamp now) {
+  if (!last_ || last_->quality == PoseQuality::missing) return std::nullopt;
+  last_->quality = PoseQuality::missing;
+  last_->time += period_ / 2;
+  last_->arrived = now;
+  return Reading{station_, *last_};
+}
+
+}  // namespace sonoband
