@@ -36,7 +36,7 @@ PolhemusTracker::~PolhemusTracker() {
 
 void PolhemusTracker::start() {
   if (started_) return;
-  *link_ = Link(config_, link_->next_epoch());
+  link_ = std::make_unique<Link>(config_, link_->next_epoch());
   port_state_ = PortState::absent;
   kept_count_ = kept_from_ = 0;
   next_ = {};

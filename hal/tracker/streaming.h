@@ -24,6 +24,8 @@ class Streaming {
   static constexpr std::size_t max_readings = 128;  // of one turn: 4096 bytes hold 85 records
 
   explicit Streaming(std::uint32_t first_epoch) : next_epoch_(first_epoch) {}
+  Streaming(const Streaming&) = delete;  // the stations hold a pointer to next_epoch_
+  Streaming& operator=(const Streaming&) = delete;
 
   // For each start or restart: new epochs for all stations.
   void begin(const LinkConfig& config, Duration period, Stamp now);
