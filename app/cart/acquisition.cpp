@@ -27,8 +27,8 @@ Acquisition::Acquisition(FrameRing& ring, const AcquisitionSettings& settings)
       settings_(settings),
       track_(settings.readings, settings.pose),
       pairing_(settings.pairing),
-      duplicate_limit_(static_cast<std::uint64_t>(settings.duplicate_levels *
-                                                  static_cast<double>(mask_pixels(ring)))) {
+      duplicate_limit_(
+          static_cast<std::uint64_t>(settings.duplicate_levels * static_cast<double>(mask_pixels(ring)))) {
   assert(settings.crop.x >= 0 && settings.crop.x + ring.settings().width <= settings.source_width);
   assert(settings.crop.y >= 0 && settings.crop.y + ring.settings().height <= settings.source_height);
   assert(ring.settings().reserve >= settings.pairing.capacity + ring.settings().leases + 2);
@@ -197,10 +197,10 @@ void Acquisition::start_sweep(std::int32_t id, Stamp pressed) {
     entry.for_sweep = entry.outcome;
     if (entry.outcome.kind == FrameOutcome::Kind::stored) {
       // The ring has forgotten it, or had no room for it.
-      const bool forgotten = swept.empty() ? !sweep.start_complete()
-                                           : entry.outcome.captured < swept.front().tracked.captured;
-      const bool refused = !forgotten && (swept.empty() ||
-                                          entry.outcome.captured > swept.back().tracked.captured);
+      const bool forgotten =
+          swept.empty() ? !sweep.start_complete() : entry.outcome.captured < swept.front().tracked.captured;
+      const bool refused =
+          !forgotten && (swept.empty() || entry.outcome.captured > swept.back().tracked.captured);
       if (forgotten || refused) {
         entry.for_sweep.kind = FrameOutcome::Kind::lost;
         entry.for_sweep.cause = forgotten ? LossCause::late : LossCause::ring_full;

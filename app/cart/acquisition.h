@@ -1,5 +1,5 @@
-// The one place where pictures, poses and the pedal meet. Values and times go in; published frames, sweeps and
-// notices come out. It reads no clock, and after its construction takes no heap and no lock.
+// The one place where pictures, poses and the pedal meet. Values and times go in; published frames, sweeps
+// and notices come out. It reads no clock, and after its construction takes no heap and no lock.
 #pragma once
 
 #include <array>
@@ -50,11 +50,11 @@ struct Notice {
 };
 
 struct AcquisitionStatus {
-  LossLedger ledger;      // since start
-  double frames_hz = 0;   // handed over by the source
-  double unique_hz = 0;   // of which new pictures
-  double poses_hz = 0;    // readings, usable or not
-  std::optional<Stamp> last_frame;   // arrival of the last frame, last new picture and last usable pose
+  LossLedger ledger;                // since start
+  double frames_hz = 0;             // handed over by the source
+  double unique_hz = 0;             // of which new pictures
+  double poses_hz = 0;              // readings, usable or not
+  std::optional<Stamp> last_frame;  // arrival of the last frame, last new picture and last usable pose
   std::optional<Stamp> last_picture;
   std::optional<Stamp> last_pose;
   PoseQuality pose_quality = PoseQuality::missing;  // of the newest reading
@@ -70,8 +70,8 @@ class Acquisition {
 
   void on_pose(const PoseSample& sample, Stamp now);
   void on_frame(const Frame& frame, Stamp now);
-  // Lets frames go whose wait is over and sweeps end whose pictures are all there. Call some 50 times a second
-  // or more, also when nothing came.
+  // Lets frames go whose wait is over and sweeps end whose pictures are all there. Call some 50 times a
+  // second or more, also when nothing came.
   void tick(Stamp now);
 
   // The stamps are the events' own, in order; the news may come late. The sweep has every frame captured from
@@ -139,7 +139,7 @@ class Acquisition {
   bool full_told_ = false;
   std::int32_t last_id_ = 0;   // given out
   std::int32_t sweep_id_ = 0;  // of the sweep begun last
-  Stamp pressed_{};  // of the sweep begun last
+  Stamp pressed_{};            // of the sweep begun last
   Stamp last_published_ = Stamp::min();
   struct Span {
     Stamp pressed{};

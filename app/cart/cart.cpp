@@ -6,7 +6,10 @@
 namespace sonoband::cart {
 
 Cart::Cart(FrameRing& ring, const CartSettings& settings)
-    : ring_(ring), settings_(settings), acquisition_(ring, settings.acquisition), debounce_(settings.debounce) {}
+    : ring_(ring),
+      settings_(settings),
+      acquisition_(ring, settings.acquisition),
+      debounce_(settings.debounce) {}
 
 void Cart::on_frame(const Frame& frame, Stamp now) {
   if (!machine_.frames) give({Event::Kind::frames_up, now});

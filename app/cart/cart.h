@@ -66,7 +66,7 @@ class Cart {
   Debounce debounce_;
   Machine machine_;
   std::int32_t sweep_id_ = 0;  // of the sweep that the machine asked for last
-  Duration pedal_delay_{};  // between the last edge and its arrival here
+  Duration pedal_delay_{};     // between the last edge and its arrival here
   Note note_ = Note::none;
   Stamp noted_{};
   std::array<Sweep, 16> sweeps_;  // circular

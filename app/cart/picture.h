@@ -28,8 +28,8 @@ std::optional<LossCause> unusable(const Frame& frame, int width, int height);
 // (77 R + 150 G + 29 B + 128) / 256, BT.601 with weights that keep grey exactly.
 void copy_luma(const Frame& frame, const Crop& crop, ImageView<std::uint8_t> out);
 
-// Whether the sum of |a - b| over two pictures of one size is below `limit`. Stops at the row where it is not,
-// so that only a repeated picture costs a whole pass.
+// Whether the sum of |a - b| over two pictures of one size is below `limit`. Stops at the row where it is
+// not, so that only a repeated picture costs a whole pass.
 bool differ_less(ConstPixels a, ConstPixels b, std::uint64_t limit);
 
 }  // namespace sonoband::cart
