@@ -231,6 +231,18 @@ TEST(Acquisition, ASweepWithoutLaterFramesEndsWhenTheWaitForThemIsOver) {
   rig.acquisition.stop(at_ms(1000));
 }
 
+TEST(Acquisition, ASweepEndsWithTheFirstFrameTakenAfterItsRelease) {
+  Rig rig;
+  rig.acquisition.begin_sweep(at_ms(100));
+  for (std::uint64_t n = 1; n <= 5; ++n) rig.put(n);
+  rig.acquisition.end_sweep(at_ms(240));
+  rig.put(6);  // at the release: belongs to it
+  EXPECT_EQ(rig.notices(), Kinds({Notice::Kind::started}));
+  rig.put(7);
+  EXPECT_EQ(rig.notices(), Kinds({Notice::Kind::ended}));
+  EXPECT_EQ(rig.sweep.swept().size(), 4U);
+}
+
 TEST(Acquisition, TheSweepsLedgerHasWhatHappenedBetweenPressAndRelease) {
   Rig rig;
   rig.put(1);
