@@ -55,8 +55,29 @@ Anatomy::Anatomy(const Material& background, std::vector<Shape> shapes, const Ve
   }
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     cells_[i].first = static_cast<std::uint32_t>(candidates_.size());
-    cells_[i].count = static_cast<std::uint16_t>(partial[i].size());
+    assert(partial[i].size() <= std::numeric_limits<std::uint8_t>::max());
+    cells_[i].count = static_cast<std::uint8_t>(partial[i].size());
     candidates_.insert(candidates_.end(), partial[i].rbegin(), partial[i].rend());
+  }
+  mark_calm();
+}
+
+void Anatomy::mark_calm() {
+  const auto index = [this](int x, int y, int z) {
+    return (static_cast<std::size_t>(z) * ny_ + y) * nx_ + x;
+  };
+  for (int z = 1; z + 1 < nz_; ++z) {
+    for (int y = 1; y + 1 < ny_; ++y) {
+      for (int x = 1; x + 1 < nx_; ++x) {
+        Cell& cell = cells_[index(x, y, z)];
+        bool calm = true;
+        for (int k = 0; k < 27 && calm; ++k) {
+          const Cell& other = cells_[index(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1)];
+          calm = other.count == 0 && other.base == cell.base;
+        }
+        cell.calm = calm;
+      }
+    }
   }
 }
 

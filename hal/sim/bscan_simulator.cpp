@@ -28,6 +28,9 @@ constexpr std::array<Slice, 3> slices{{{0, 0.5066F}, {-1.2F, 0.2467F}, {1.2F, 0.
 // Across the beams: a Gaussian of 0.9 beams, its power 1 for echoes that do not correlate.
 constexpr std::array<float, 3> lateral{0.0656F, 0.4173F, 0.7736F};  // two beams off, one off, itself
 
+// Amplitude that is lost in the receiver's noise: -62 dB.
+constexpr float clear = 8e-4F;
+
 constexpr int power_shift = 17;  // leaves 8 bits of exponent and 6 of mantissa: 0.07 dB
 
 float decibels(double db) {
@@ -62,7 +65,7 @@ BscanSimulator::BscanSimulator(std::shared_ptr<const Phantom> phantom,
   for (const Shape& s : body->shapes()) {
     const Material& m = s.material;
     responses_.push_back({decibels(m.echo_db), decibels(-m.loss_db_mm * lines_.sample_mm), m.specular, m.bone,
-                          s.flow.peak_mm_s != 0});
+                          m.specular == 0 && !m.bone, s.flow.peak_mm_s != 0});
   }
   for (int i = 0; i < lines_.samples; ++i) {
     depth_gain_.push_back(decibels(-settings.depth_loss_db_mm * lines_.sample_mm * i));
@@ -93,7 +96,7 @@ void BscanSimulator::paint(const WorldFromImage& world_from_image, Stamp t, std:
   gather_echoes(std::get<Anatomy>(*phantom_), phantom_from_image, t);
   compress();
   convert(out, stride_bytes);
-  draw_screen(settings_, out, stride_bytes);
+  draw_screen(settings_, bar_, out, stride_bytes);
 }
 
 void BscanSimulator::gather_echoes(const Anatomy& body,
@@ -118,37 +121,54 @@ void BscanSimulator::gather_echoes(const Anatomy& body,
     const Vector3f step = (line.step.x() * right + line.step.y() * down).cast<float>();
     const Vector3f along = step.normalized();
     float through = 1;  // what is left of the pulse, there and back
+    float patch = 1;
     for (int i = 0; i < lines_.samples; ++i) {
       const auto s = static_cast<std::size_t>(i);
       const Vector3f middle = start + static_cast<float>(i) * step;
       // Tissue is uneven on the scale of millimetres.
-      const float patch = 1 + 0.3F * speckle_.at(middle * 0.09F).re;
-      float re = 0;
-      float im = 0;
+      if (i % 4 == 0) patch = 1 + 0.3F * speckle_.at(middle * 0.09F).re;
+      const std::size_t at = s * static_cast<std::size_t>(lines_.beams) + static_cast<std::size_t>(beam);
+      const float level = through * depth_gain_[s] * patch;
+      re_[at] = im_[at] = 0;
+      level_[at] = 0;
+
+      // Far from any surface the slices see the same tissue, and clear fluid has nothing to see.
+      const Anatomy::ShapeId* calm = width[s] * 1.2F < body.cell_mm() ? body.calm_at(middle) : nullptr;
+      if (calm != nullptr && responses_[*calm].diffuse) {
+        const Response& r = responses_[*calm];
+        through *= r.gain_per_sample;
+        if (r.amplitude < clear) continue;
+        for (const Slice& slice : slices) {
+          const Echo e = speckle_.at((middle + slice.offset_sigmas * width[s] * elevation) * grain);
+          re_[at] += slice.weight * e.re;
+          im_[at] += slice.weight * e.im;
+        }
+        re_[at] *= level * r.amplitude;
+        im_[at] *= level * r.amplitude;
+        if (r.flows) level_[at] = colour_level(body.shape(*calm).velocity(middle, beat));
+        continue;
+      }
+
       float gain = 0;
-      float velocity = 0;
       for (const Slice& slice : slices) {
         const Vector3f p = middle + slice.offset_sigmas * width[s] * elevation;
         const Anatomy::ShapeId id = body.at(p);
         const Response& r = responses_[id];
         const Echo e = speckle_.at(p * grain);
-        float amplitude = slice.weight * r.amplitude;
+        float amplitude = slice.weight * level * r.amplitude;
         gain += slice.weight * r.gain_per_sample;
         if (r.specular > 0) {
           const float square_on = std::abs(body.shape(id).normal(p).dot(along));
           amplitude *= 1 - r.specular + r.specular * square_on;
         }
         // A bone's surface is one big reflector: most of its echo is in step, little is speckle.
-        re += amplitude * (r.bone ? 0.8F + 0.3F * e.re : e.re);
-        im += amplitude * (r.bone ? 0.3F * e.im : e.im);
-        if (r.flows && slice.offset_sigmas == 0) velocity = body.shape(id).velocity(p, beat);
+        re_[at] += amplitude * (r.bone ? 0.8F + 0.3F * e.re : e.re);
+        im_[at] += amplitude * (r.bone ? 0.3F * e.im : e.im);
+        if (r.flows && slice.offset_sigmas == 0) {
+          level_[at] = colour_level(body.shape(id).velocity(p, beat));
+        }
       }
-      const float level = through * depth_gain_[s] * patch;
       through *= gain;
-      const std::size_t at = s * static_cast<std::size_t>(lines_.beams) + static_cast<std::size_t>(beam);
-      re_[at] = level * re;
-      im_[at] = level * im;
-      level_[at] = static_cast<std::int8_t>(colour_level(velocity));
     }
   }
 
@@ -167,11 +187,11 @@ void BscanSimulator::gather_echoes(const Anatomy& body,
   }
 }
 
-int BscanSimulator::colour_level(float velocity_mm_s) const {
+std::int8_t BscanSimulator::colour_level(float velocity_mm_s) const {
   if (!settings_.colour || std::abs(velocity_mm_s) < settings_.colour->wall_filter_mm_s) return 0;
   const double level = std::round(std::abs(velocity_mm_s) / settings_.colour->full_scale_mm_s * 63);
   const int shown = std::clamp(static_cast<int>(level), 1, 63);
-  return velocity_mm_s > 0 ? shown : -shown;
+  return static_cast<std::int8_t>(velocity_mm_s > 0 ? shown : -shown);
 }
 
 void BscanSimulator::compress() {
@@ -229,7 +249,11 @@ void BscanSimulator::convert(std::uint8_t* out, std::ptrdiff_t stride_bytes) con
       if (!colour_row || x < box.x || x >= box.x + box.width) continue;
       const std::size_t nearest = tap->echo + (tap->beam_256 >= 128 ? 1 : 0) +
                                   (tap->sample_256 >= 128 ? static_cast<std::size_t>(lines_.beams) : 0);
-      if (level_[nearest] != 0) flow_colour(level_[nearest], pixel);
+      if (level_[nearest] == 0) continue;
+      const doppler::Rgb c = flow_colour(bar_, level_[nearest]);
+      pixel[0] = c.r;
+      pixel[1] = c.g;
+      pixel[2] = c.b;
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/image/colour_bar.h"
 #include "hal/sim/phantom.h"
 #include "hal/sim/scan_lines.h"
 #include "hal/sim/scanner.h"
@@ -36,13 +37,14 @@ class BscanSimulator {
   void convert(std::uint8_t* out, std::ptrdiff_t stride_bytes) const;
   void copy_field(const GreyField& field, const Affine<frame::Phantom, frame::Image>& phantom_from_image,
                   std::uint8_t* out, std::ptrdiff_t stride_bytes) const;
-  int colour_level(float velocity_mm_s) const;
+  std::int8_t colour_level(float velocity_mm_s) const;
 
   struct Response {  // of a shape, ready for the inner loop
     float amplitude;
     float gain_per_sample;
     float specular;
     bool bone;
+    bool diffuse;  // the same from all sides
     bool flows;
   };
 
@@ -52,6 +54,7 @@ class BscanSimulator {
   std::uint64_t seed_;
   SpeckleField speckle_;
   ScanLines lines_;
+  doppler::ColourBar bar_ = doppler::red_blue_bar();
   std::vector<Response> responses_;    // by shape
   std::vector<float> depth_gain_;      // by sample
   std::vector<float> noise_;           // a stretch of receiver noise, longer than a frame needs

@@ -169,7 +169,7 @@ Vector3f spine(float s) {
     return 0.5F * (2 * p1 + (p2 - p0) * u + (2 * p0 - 5 * p1 + 4 * p2 - p3) * u * u +
                    (3 * p1 - p0 - 3 * p2 + p3) * u * u * u);
   };
-  return {2.1F * std::sin(8.0F * s + 0.6F), blend(0), blend(1)};
+  return {3.0F * std::sin(8.0F * s + 0.6F), blend(0), blend(1)};
 }
 
 Limbs limbs(int side) {

@@ -14,7 +14,7 @@ struct Limbs {
 Limbs limbs(int side);
 
 // Point of the spine, s from 0 (skull) to 1 (tip of the sacrum): it bends in the plane x = 0 and weaves
-// 2 mm across it.
+// 3 mm across it.
 Eigen::Vector3f spine(float s);
 
 // The four segments of each of the five digits, from the wrist (or heel) outward.

@@ -46,13 +46,14 @@ std::vector<SuggestedView> foetus_views(const WorldFromPhantom& w) {
   sagittal.reach_mm = 22;
   sagittal.curve_thickness_mm = 7.2;
 
-  // Figure 4: the open hand, in the plane of its palm.
+  // Figure 4: the open hand, nearly in the plane of its palm.
   const std::vector<Digit> digits = fingers(-1);
   const Vector3d palm = digits[2].joint[1].cast<double>();
   const Vector3d along = (digits[2].joint[3] - digits[2].joint[0]).cast<double>().normalized();
   const Vector3d across = (digits[4].joint[1] - digits[1].joint[1]).cast<double>().normalized();
   SuggestedView hand{.name = "hand", .plane = {}, .thickness_mm = 14};
-  hand.plane = plane_at(w, palm - 20 * across - 20 * along, across, along, 40, 40, 0.1);
+  const Vector3d askew = across + 0.25 * across.cross(along);
+  hand.plane = plane_at(w, palm - 20 * askew - 20 * along, askew, along, 40, 40, 0.1);
 
   // Figure 5: spine and rib cage from the front.
   SuggestedView ribs{.name = "ribs", .plane = {}, .thickness_mm = 13};

@@ -79,12 +79,11 @@ void draw_decorations(Screen& screen, const ScannerSettings& s) {
   }
 }
 
-void draw_colour_bar(Screen& screen) {
+void draw_colour_bar(Screen& screen, const doppler::ColourBar& bar) {
   for (int y = 0; y < 127; ++y) {
     const int level = 63 - y;
-    std::uint8_t rgb[3] = {0, 0, 0};
-    if (level != 0) flow_colour(level, rgb);
-    for (int x = 0; x < 10; ++x) screen.dot(8 + x, 180 + y, rgb[0], rgb[1], rgb[2]);
+    const doppler::Rgb c = level != 0 ? flow_colour(bar, level) : doppler::Rgb{};
+    for (int x = 0; x < 10; ++x) screen.dot(8 + x, 180 + y, c.r, c.g, c.b);
   }
 }
 
@@ -101,21 +100,16 @@ void draw_box(Screen& screen, const ColourBox& box) {
 
 }  // namespace
 
-void flow_colour(int level, std::uint8_t rgb[3]) {
-  // Strong colour from the first level on; the second half adds green.
-  const int l = level < 0 ? -level : level;
-  const auto main = static_cast<std::uint8_t>(66 + 3 * l);
-  const auto green = static_cast<std::uint8_t>(l > 31 ? (l - 31) * 7 : 0);
-  rgb[0] = level > 0 ? main : 0;
-  rgb[1] = green;
-  rgb[2] = level > 0 ? 0 : main;
+doppler::Rgb flow_colour(const doppler::ColourBar& bar, int level) {
+  return level > 0 ? bar.red[static_cast<std::size_t>(level)] : bar.blue[static_cast<std::size_t>(-level)];
 }
 
-void draw_screen(const ScannerSettings& settings, std::uint8_t* pixels, std::ptrdiff_t stride_bytes) {
+void draw_screen(const ScannerSettings& settings, const doppler::ColourBar& bar, std::uint8_t* pixels,
+                 std::ptrdiff_t stride_bytes) {
   Screen screen(settings, pixels, stride_bytes);
   if (settings.decorations) draw_decorations(screen, settings);
   if (!settings.colour) return;
-  if (settings.decorations) draw_colour_bar(screen);
+  if (settings.decorations) draw_colour_bar(screen, bar);
   if (settings.colour->outline) draw_box(screen, *settings.colour);
 }
 

@@ -91,6 +91,21 @@ TEST(Anatomy, TheGridChangesNothing) {
   }
 }
 
+TEST(Anatomy, CalmMeansTheSameAllAround) {
+  std::mt19937_64 random(5);
+  const Anatomy body = foetus();
+  int calm = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Vector3f p = random_point(random, 45);
+    p.y() += 45;
+    const Anatomy::ShapeId* id = body.calm_at(p);
+    if (id == nullptr) continue;
+    ++calm;
+    EXPECT_EQ(body.at(p + body.cell_mm() * random_point(random, 1).normalized()), *id);
+  }
+  EXPECT_GT(calm, 5000);
+}
+
 TEST(Anatomy, OutsideItsBoxIsBackground) {
   const Anatomy body({.echo_db = -1}, {ellipsoid({0, 0, 0}, {50, 50, 50}, {})}, {-1, -1, -1}, {1, 1, 1});
   EXPECT_EQ(body.at({0, 0, 0}), 1);
