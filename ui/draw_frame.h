@@ -1,0 +1,34 @@
+// What Draw stands on; only ui's own .cpp files that include Dear ImGui include this.
+#pragma once
+
+#include <imgui.h>
+
+#include <array>
+
+#include "ui/draw.h"
+
+namespace sonoband::ui {
+
+// A picture waits here until the renderer reaches its place in the draw list.
+struct PictureOrder {
+  Pictures* pictures = nullptr;
+  Slot slot = Slot::live;
+  Rect target;
+  Rect source;
+  Look look;
+  float screen_width = 0;
+  float screen_height = 0;
+};
+
+struct Draw::Frame {
+  ImDrawList* list = nullptr;
+  std::array<ImFont*, 5> fonts{};  // in the order of Type
+  ImFont* icons = nullptr;
+  Pictures* pictures = nullptr;
+  std::array<PictureOrder, 64> orders{};  // more pictures than that on one screen are not drawn
+  int order_count = 0;
+  float screen_width = 0;
+  float screen_height = 0;
+};
+
+}  // namespace sonoband::ui

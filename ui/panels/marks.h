@@ -1,0 +1,24 @@
+// Small things drawn over pictures: scales, the orientation mark, badges, rings round points.
+#pragma once
+
+#include "ui/interact/orbit.h"
+#include "ui/ui.h"
+
+namespace sonoband::ui {
+
+// Ticks every 10 mm down the right edge of a B-scan, with the depth in mm.
+void draw_depth_scale(Ui& ui, const Rect& picture, float px_per_mm);
+// A bar of a round number of mm in the bottom left corner, with its length.
+void draw_scale_bar(Ui& ui, const Rect& picture, double px_per_mm);
+// A round length in mm whose bar is at most `most_px` long: 1, 2, 5, 10, ...
+double scale_length_mm(double px_per_mm, double most_px);
+// Where the marked side of the probe is: top left of a picture in the house's orientation.
+void draw_orientation_mark(Ui& ui, const Rect& picture);
+void draw_badge(Ui& ui, Vec2 centre, Colour c, std::string_view words);
+// A point the user set, with its number or value beside it.
+void draw_point(Ui& ui, Vec2 at, Colour c, std::string_view label);
+
+// Drag turns, two fingers slide and zoom, a double tap goes back.
+void orbit_by_gestures(Ui& ui, std::string_view name, const Rect& r, const Orbit& orbit);
+
+}  // namespace sonoband::ui

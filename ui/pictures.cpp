@@ -1,0 +1,182 @@
+#include "ui/pictures.h"
+
+#include <GLES3/gl3.h>
+
+#include <algorithm>
+
+#include "core/image/colour_bar.h"
+#include "ui/gl.h"
+#include "ui/theme.h"
+
+namespace sonoband::ui {
+namespace {
+
+// The four corners come from the vertex's number; no vertex buffer is needed.
+constexpr const char* vertex_source = R"(#version 300 es
+uniform vec4 target;  // left, top, right, bottom in clip space
+uniform vec4 source;  // the same in texture space
+out vec2 uv;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  uv = mix(source.xy, source.zw, corner);
+  gl_Position = vec4(mix(target.xy, target.zw, corner), 0.0, 1.0);
+}
+)";
+
+// mode: 0 grey, 1 Doppler in colour, 2 Doppler in greys. window: gain, contrast, least level / 63, 1 if
+// covered.
+constexpr const char* fragment_source = R"(#version 300 es
+precision highp float;
+uniform sampler2D picture;
+uniform sampler2D palette;
+uniform vec4 window;
+uniform vec3 no_data;
+uniform int mode;
+in vec2 uv;
+out vec4 colour;
+float windowed(float grey) { return clamp((grey - 0.5) * window.y + 0.5 + window.x, 0.0, 1.0); }
+void main() {
+  vec2 texel = texture(picture, uv).rg;
+  vec3 light;
+  float key = floor(texel.r * 255.0 + 0.5);
+  if (mode == 0) {
+    light = vec3(windowed(texel.r));
+  } else if (key < 128.0) {
+    light = vec3(windowed(key / 127.0));
+  } else {
+    float level = floor((key - 128.0) / 2.0);
+    if (mode == 2) light = vec3(windowed(level / 63.0));
+    else if (level < window.z) light = vec3(0.0);
+    else light = texelFetch(palette, ivec2(int(key), 0), 0).rgb;
+  }
+  float covered = window.w > 0.5 ? step(0.5, texel.g) : 1.0;
+  bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
+  colour = vec4(inside ? mix(no_data, light, covered) : no_data, 1.0);
+}
+)";
+
+constexpr int largest_side = 4096;  // ES 3.0 promises 2048, every board of the last ten years has 4096
+
+}  // namespace
+
+Pictures::Pictures() {
+  program_ = gl::make_program(vertex_source, fragment_source);
+  at_target_ = glGetUniformLocation(program_, "target");
+  at_source_ = glGetUniformLocation(program_, "source");
+  at_window_ = glGetUniformLocation(program_, "window");
+  at_mode_ = glGetUniformLocation(program_, "mode");
+  at_no_data_ = glGetUniformLocation(program_, "no_data");
+  glUseProgram(program_);
+  glUniform1i(glGetUniformLocation(program_, "picture"), 0);
+  glUniform1i(glGetUniformLocation(program_, "palette"), 1);
+  glGenVertexArrays(1, &vertices_);
+
+  const doppler::ColourBar bar = doppler::red_blue_bar();
+  std::array<std::uint8_t, 256 * 4> colours{};
+  for (int key = 0; key < 256; ++key) {
+    const doppler::Rgb c = doppler::to_rgb(static_cast<std::uint8_t>(key), bar);
+    const std::array<std::uint8_t, 4> rgba = {c.r, c.g, c.b, 255};
+    std::copy(rgba.begin(), rgba.end(), colours.begin() + key * 4);
+  }
+  glGenTextures(1, &palette_);
+  glBindTexture(GL_TEXTURE_2D, palette_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 256, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, colours.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+Pictures::~Pictures() {
+  for (const Held& h : held_) {
+    if (h.texture != 0) glDeleteTextures(1, &h.texture);
+  }
+  glDeleteTextures(1, &palette_);
+  glDeleteVertexArrays(1, &vertices_);
+  glDeleteProgram(program_);
+}
+
+void Pictures::show(Slot slot, const Picture& picture) {
+  Held& held = held_[static_cast<std::size_t>(slot)];
+  if (picture.version == 0 || picture.pixels.empty()) {
+    held.version = 0;
+    return;
+  }
+  const bool covered = !picture.coverage.empty() && picture.coverage.width == picture.pixels.width &&
+                       picture.coverage.height == picture.pixels.height;
+  if (picture.version == held.version) return;
+  const int width = std::min(picture.pixels.width, largest_side);
+  const int height = std::min(picture.pixels.height, largest_side);
+
+  const bool fresh = held.texture == 0;
+  if (fresh) glGenTextures(1, &held.texture);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, held.texture);
+  if (fresh) {
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  const bool same_shape =
+      !fresh && held.width == width && held.height == height && held.has_coverage == covered;
+  const GLenum format = covered ? GL_RG : GL_RED;
+  const void* bytes = picture.pixels.data;
+  if (covered) {
+    staging_.resize(static_cast<std::size_t>(width) * height * 2);
+    for (int y = 0; y < height; ++y) {
+      const std::uint8_t* value = picture.pixels.row(y);
+      const std::uint16_t* cover = picture.coverage.row(y);
+      std::uint8_t* out = staging_.data() + static_cast<std::size_t>(y) * width * 2;
+      for (int x = 0; x < width; ++x) {
+        out[2 * x] = value[x];
+        out[2 * x + 1] = cover[x] != 0 ? 255 : 0;
+      }
+    }
+    bytes = staging_.data();
+  } else {
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(picture.pixels.stride));
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (same_shape) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, format, GL_UNSIGNED_BYTE, bytes);
+  } else {
+    glTexImage2D(GL_TEXTURE_2D, 0, covered ? GL_RG8 : GL_R8, width, height, 0, format, GL_UNSIGNED_BYTE,
+                 bytes);
+  }
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  ++uploads_;
+  held.width = width;
+  held.height = height;
+  held.kind = picture.kind;
+  held.has_coverage = covered;
+  held.version = picture.version;
+}
+
+void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,
+                     float screen_height) {
+  const Held& held = at(slot);
+  if (held.version == 0) return;
+  const auto w = static_cast<float>(held.width);
+  const auto h = static_cast<float>(held.height);
+  glUseProgram(program_);
+  glBindVertexArray(vertices_);
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D, palette_);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, held.texture);
+  const GLint filter = look.smooth && held.kind == PixelKind::grey ? GL_LINEAR : GL_NEAREST;
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  glUniform4f(at_target_, 2 * target.x / screen_width - 1, 1 - 2 * target.y / screen_height,
+              2 * target.right() / screen_width - 1, 1 - 2 * target.bottom() / screen_height);
+  // Pixel centres are at integers, texture edges at 0 and 1.
+  glUniform4f(at_source_, (source.x + 0.5f) / w, (source.y + 0.5f) / h, (source.right() + 0.5f) / w,
+              (source.bottom() + 0.5f) / h);
+  glUniform4f(at_window_, look.gain, look.contrast, static_cast<float>(look.least_level),
+              held.has_coverage ? 1.0f : 0.0f);
+  glUniform1i(at_mode_, held.kind == PixelKind::grey ? 0 : (look.colour ? 1 : 2));
+  const std::uint32_t none = colour::no_data.rgba;
+  glUniform3f(at_no_data_, static_cast<float>(none >> 24) / 255, static_cast<float>(none >> 16 & 255) / 255,
+              static_cast<float>(none >> 8 & 255) / 255);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+}  // namespace sonoband::ui

@@ -1,0 +1,84 @@
+// Pictures on the graphics processor: one texture per place on the screen, sent again only when its version
+// changes. Grey windowing and Doppler colours are done by the shader, so that moving a slider sends nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/image/image.h"
+#include "ui/rect.h"
+
+namespace sonoband::ui {
+
+// Borrowed for the frame. `version` changes whenever the pixels do; 0: there is no picture.
+struct Picture {
+  ConstPixels pixels;
+  ImageView<const std::uint16_t> coverage;  // empty: there is data everywhere
+  PixelKind kind = PixelKind::grey;
+  std::uint64_t version = 0;
+};
+
+// Each holds one picture.
+enum class Slot : std::uint8_t { live, growing, bscan, reslice, manifold, outline, thumbnails };
+constexpr int thumbnail_count = 24;
+constexpr int slot_count = static_cast<int>(Slot::thumbnails) + thumbnail_count;
+constexpr Slot thumbnail(int i) {
+  return static_cast<Slot>(static_cast<int>(Slot::thumbnails) + i);
+}
+
+// How values become light.
+struct Look {
+  float gain = 0;       // added to the value, in parts of full white: -0.5 to 0.5
+  float contrast = 1;   // about mid grey: 0.5 to 2.5
+  bool colour = true;   // false: Doppler keys are drawn as greys of their level
+  int least_level = 0;  // colours below this level (of 63) are drawn dark: wall motion, noise
+  bool smooth = true;   // bilinear between pixels; never between Doppler keys
+  bool operator==(const Look&) const = default;
+};
+
+class Pictures {
+ public:
+  Pictures();  // needs a current context, as everything below and the destructor do
+  ~Pictures();
+  Pictures(const Pictures&) = delete;
+  Pictures& operator=(const Pictures&) = delete;
+
+  // Sends the picture if it differs from what the slot holds. Pictures larger than 4096 on a side are cut.
+  void show(Slot slot, const Picture& picture);
+
+  bool has(Slot slot) const { return at(slot).version != 0; }
+  int width(Slot slot) const { return at(slot).width; }
+  int height(Slot slot) const { return at(slot).height; }
+  unsigned texture(Slot slot) const { return at(slot).texture; }
+  PixelKind kind(Slot slot) const { return at(slot).kind; }
+  bool has_coverage(Slot slot) const { return at(slot).has_coverage; }
+  unsigned palette() const { return palette_; }
+  std::uint64_t uploads() const { return uploads_; }  // since the start
+
+  // Fills `target` (pixels of a framebuffer `screen_width` x `screen_height`) with `source` (pixels of the
+  // picture). Leaves program, vertex array and texture units 0 and 1 changed.
+  void paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,
+             float screen_height);
+
+ private:
+  struct Held {
+    unsigned texture = 0;
+    int width = 0;
+    int height = 0;
+    PixelKind kind = PixelKind::grey;
+    bool has_coverage = false;
+    std::uint64_t version = 0;
+  };
+  const Held& at(Slot slot) const { return held_[static_cast<std::size_t>(slot)]; }
+
+  std::array<Held, slot_count> held_{};
+  std::vector<std::uint8_t> staging_;  // value and coverage interleaved
+  unsigned palette_ = 0;               // 256 colours of the Doppler keys
+  unsigned program_ = 0;
+  unsigned vertices_ = 0;
+  int at_target_ = -1, at_source_ = -1, at_window_ = -1, at_mode_ = -1, at_no_data_ = -1;
+  std::uint64_t uploads_ = 0;
+};
+
+}  // namespace sonoband::ui

@@ -1,0 +1,57 @@
+// The whole screen: makes a frame from a View and what happened, and says what the user asked for. The window
+// and the headless host run this same function.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "core/time.h"
+#include "ui/command.h"
+#include "ui/draw.h"
+#include "ui/host/surface.h"
+#include "ui/text.h"
+#include "ui/view.h"
+#include "ui/widgets.h"
+
+namespace sonoband::ui {
+
+struct ScreenSettings {
+  float width_mm = 0;  // of the panel's picture area; 0: unknown
+  float scale = 1;
+};
+
+// Lives on one thread, with its surface's context current whenever it is made, used or destroyed.
+class Screen {
+ public:
+  // Throws std::runtime_error with one sentence when the fonts cannot be read or the driver is too old.
+  Screen(const ScreenSettings& settings, const FontFiles& fonts, const Texts& texts);
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  // Draws one frame into the framebuffer that is bound, `size` pixels large. What the input asked for is in
+  // the commands returned, valid until the next call. `now` is the time of the frame on the clock of the
+  // contacts.
+  const Commands& frame(const View& view, const Input& input, Stamp now, Vec2 size);
+
+  // A finger rests and a long press may come of it: make another frame though nothing happens.
+  bool wants_frame() const;
+
+  // Of the last frame.
+  const Widgets& widgets() const;
+  const Metrics& metrics() const;
+
+  struct Counts {
+    std::uint64_t frames = 0;
+    std::uint64_t gl_errors = 0;  // must stay 0
+    std::uint64_t uploads = 0;    // pictures sent to the graphics processor
+    std::uint64_t scenes = 0;     // times the Outline was drawn anew
+  };
+  Counts counts() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace sonoband::ui
