@@ -90,10 +90,9 @@ OutlineView::OutlineView(const SweepFrame& sweep, const Orbit& orbit, const Rect
   eye_from_world_.row(2) = cr * level_away + sr * deep;
   centre_ = sweep.centre;
   const float smaller = std::min(window.width, window.height);
-  px_per_mm_ = 0.5 * smaller * orbit.zoom / sweep.radius_mm;
-  // A long sweep in a wide window may use the width.
-  const double wide = std::min(1.45, static_cast<double>(window.width) / std::max(1.0f, smaller));
-  px_per_mm_ *= std::max(1.0, wide);
+  // The sphere round all corners is loose: most sweeps are boxes, seen from a corner only now and then.
+  constexpr double fill = 1.12;
+  px_per_mm_ = 0.5 * smaller * fill * orbit.zoom / sweep.radius_mm;
   middle_ = window.centre() + Vec2{static_cast<float>(orbit.slide.x() * smaller),
                                    static_cast<float>(orbit.slide.y() * smaller)};
 }
