@@ -37,6 +37,7 @@ Acquisition::Acquisition(FrameRing& ring, const AcquisitionSettings& settings)
 void Acquisition::on_pose(const PoseSample& sample, Stamp now) {
   ++ledger_.poses;
   poses_rate_.happened(now);
+  status_.last_reading = now;
   status_.pose_quality = sample.quality;
   if (sample.time > now + settings_.ahead || !track_.add(sample))
     ++ledger_.poses_refused;

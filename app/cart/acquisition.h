@@ -50,13 +50,15 @@ struct Notice {
 };
 
 struct AcquisitionStatus {
-  LossLedger ledger;                // since start
-  double frames_hz = 0;             // handed over by the source
-  double unique_hz = 0;             // of which new pictures
-  double poses_hz = 0;              // readings, usable or not
-  std::optional<Stamp> last_frame;  // arrival of the last frame, last new picture and last usable pose
-  std::optional<Stamp> last_picture;
-  std::optional<Stamp> last_pose;
+  LossLedger ledger;     // since start
+  double frames_hz = 0;  // handed over by the source
+  double unique_hz = 0;  // of which new pictures
+  double poses_hz = 0;   // readings, usable or not
+  // When the last of each came.
+  std::optional<Stamp> last_frame;
+  std::optional<Stamp> last_picture;  // that was no duplicate
+  std::optional<Stamp> last_reading;
+  std::optional<Stamp> last_pose;                   // that is usable
   PoseQuality pose_quality = PoseQuality::missing;  // of the newest reading
   PoseStatus frame_pose = PoseStatus::not_yet;      // of the newest published frame
   std::size_t waiting = 0;                          // frames without pose yet
