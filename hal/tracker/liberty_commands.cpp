@@ -99,6 +99,12 @@ Command clear_boresight(int station) {
 Command clear_alignment(int station) {
   return Writer().caret('R').station(station).line();
 }
+Command clear_tip_offset(int station) {
+  return Writer().put('N').station(station).text(",0,0,0").line();
+}
+Command clear_mounting_frame() {
+  return Writer().text("G0,0,0").line();
+}
 Command reset_counters() {
   return Writer().text("Q0").line();
 }

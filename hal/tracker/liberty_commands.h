@@ -45,6 +45,8 @@ Command attitude_filter_off();
 Command external_sync(bool on);
 Command clear_boresight(int station);
 Command clear_alignment(int station);
+Command clear_tip_offset(int station);
+Command clear_mounting_frame();  // LIBERTY only
 Command reset_counters();
 Command echo(bool on);
 // Off: a slow host sees gaps in the frame count. On (the default): it sees stale records, up to 2300 bytes

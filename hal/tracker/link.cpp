@@ -149,6 +149,8 @@ bool Link::on_transfer_trouble(const LinkInput& in) {
       trouble(LinkReason::io_error, in);
       return true;
     }
+    // A setting that may not have arrived is as good as lost: silence would look like success.
+    if (state_ == LinkState::quiescing || in_setup(state_)) begin_quiesce(Quiesce::Purpose::connect, in.now);
   }
   return false;
 }

@@ -1,20 +1,25 @@
 #include "hal/tracker/pose_continuity.h"
 
+#include <algorithm>
+
 namespace sonoband {
 namespace {
 
-constexpr double max_speed_mm_per_s = 5000;
+constexpr double max_speed_mm_per_s = 2000;
 constexpr double position_slack_mm = 10;
-constexpr double max_turn_deg_per_s = 1500;
+constexpr double max_turn_deg_per_s = 1000;
+constexpr Duration longest_guess =
+    std::chrono::milliseconds(25);  // farther than 60 mm or 35 degrees is never near
 constexpr double turn_slack_deg = 10;
 constexpr double degrees = 180 / 3.14159265358979323846;
 
 bool near(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Duration elapsed) {
-  return (a - b).norm() <= position_slack_mm + max_speed_mm_per_s * seconds(elapsed);
+  return (a - b).norm() <= position_slack_mm + max_speed_mm_per_s * seconds(std::min(elapsed, longest_guess));
 }
 
 bool near(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, Duration elapsed) {
-  return a.angularDistance(b) * degrees <= turn_slack_deg + max_turn_deg_per_s * seconds(elapsed);
+  return a.angularDistance(b) * degrees <=
+         turn_slack_deg + max_turn_deg_per_s * seconds(std::min(elapsed, longest_guess));
 }
 
 }  // namespace
@@ -28,7 +33,7 @@ void PoseContinuity::take(const Pose& pose) {
 
 PoseContinuity::Step PoseContinuity::judge(const Eigen::Vector3d& position_mm, Eigen::Quaterniond& q,
                                            Duration elapsed) {
-  constexpr Duration memory = std::chrono::milliseconds(500);  // after it a probe may be anywhere
+  constexpr Duration memory = std::chrono::milliseconds(500);
   constexpr int confirmations = 3;
 
   if (!started_) {
@@ -38,22 +43,18 @@ PoseContinuity::Step PoseContinuity::judge(const Eigen::Vector3d& position_mm, E
   q = nearer_sign(q, last_.q);
   since_last_ += elapsed;
 
-  const double as_is = (position_mm - last_.position_mm).norm();
-  const double mirrored_back = (-position_mm - last_.position_mm).norm();
   const bool turns = near(q, last_.q, since_last_);
-  const bool forgotten = since_last_ > memory;
-
-  if (forgotten && !mirrored_) {
-    take({position_mm, q});
-    return Step::follows;
-  }
   // Near the source both signs are near; then the reading stands as it is.
-  if (forgotten ? as_is <= mirrored_back : turns && near(position_mm, last_.position_mm, since_last_)) {
+  if (turns && near(position_mm, last_.position_mm, since_last_)) {
     mirrored_ = false;
     take({position_mm, q});
     return Step::follows;
   }
-  if (forgotten || (turns && near(-position_mm, last_.position_mm, since_last_))) {
+  const bool forgotten = since_last_ > memory;
+  const bool nearer_mirrored =
+      (-position_mm - last_.position_mm).norm() < (position_mm - last_.position_mm).norm();
+  if (forgotten ? mirrored_ && nearer_mirrored
+                : turns && near(-position_mm, last_.position_mm, since_last_)) {
     mirrored_ = true;
     take({-position_mm, q});
     return Step::mirrored;
@@ -66,7 +67,7 @@ PoseContinuity::Step PoseContinuity::judge(const Eigen::Vector3d& position_mm, E
   if (odd_count_ < confirmations) return Step::jumped;
   mirrored_ = false;
   take(odd_);
-  return Step::new_place;
+  return forgotten ? Step::follows : Step::new_place;
 }
 
 }  // namespace sonoband

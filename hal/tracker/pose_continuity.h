@@ -1,12 +1,14 @@
 // Whether a pose can follow the one before it.
 //
-// A hand moves a probe at up to 2 m/s, so a step beyond 5 m/s and 10 mm, or beyond 1500 degrees/s and 10
-// degrees, is no motion. Two things make such steps:
+// A hand moves a probe at up to 2 m/s, and turns it at up to 1000 degrees/s. A step beyond that and 10 mm or
+// 10 degrees (18 mm and 14 degrees from one record to the next at 240 Hz; 60 mm and 35 degrees over any gap)
+// is no motion. Two things make such steps:
 //  - the hemisphere: an AC field is the same at p and at -p, so a sensor that crosses the hemisphere plane
 //    comes back mirrored through the source. Mirrored poses stay refused until the sensor is back.
-//  - damage that the value ranges do not show. One such record is refused; three in a row that agree with
+//  - damage that the value ranges do not show. One such record is refused. Three in a row that agree with
 //  each
-//    other are a new place, which begins a new epoch.
+//    other are a new place: in a new epoch, or, after half a second without a pose, simply where the probe
+//    is.
 #pragma once
 
 #include <Eigen/Geometry>

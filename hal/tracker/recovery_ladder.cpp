@@ -7,6 +7,7 @@ namespace {
 
 constexpr Duration forgets = std::chrono::seconds(10);
 constexpr Duration patience = std::chrono::seconds(15);
+constexpr Duration last_resort_again = std::chrono::seconds(60);
 
 Rung mildest(LinkReason trouble) {
   switch (trouble) {
@@ -30,6 +31,7 @@ void RecoveryLadder::came(Stamp now) {
 
 void RecoveryLadder::restarted(Stamp now) {
   came_ = now;
+  restarted_ = now;
 }
 
 void RecoveryLadder::healthy(Stamp now) {
@@ -46,6 +48,7 @@ Rung RecoveryLadder::next(LinkReason trouble, Stamp now, bool recording) {
   if (rung > Rung::reconfigure && young && trouble == LinkReason::no_answer) return Rung::reconfigure;
   if (rung > Rung::reset_port && climbed_ < Rung::reinitialise && (recording || young))
     rung = Rung::reset_port;  // again, until the last resort is allowed
+  if (rung == Rung::give_up && !recording && now - restarted_ > last_resort_again) rung = Rung::reinitialise;
   climbed_ = std::max(climbed_, rung);
   return rung;
 }

@@ -6,7 +6,7 @@
 // | reconfigure  | stop, drain, identify, configure, verify, start             | 1 s         |
 // | reset_port   | USB reset, open again, and the above                        | 2 s         |
 // | reinitialise | `^Y`, wait out the self-test, and the above                 | 10 to 20 s  |
-// | give_up      | tell the operator; all of the above again every 10 s        |             |
+// | give_up      | tell the operator; once more every 10 s, with `^Y` every 60 s        |             |
 //
 // `^Y` is never sent during a recording, nor to a unit that came less than 15 s ago: it may still be in the
 // self-test of its power-up, silent for up to 10 s.
@@ -31,6 +31,7 @@ class RecoveryLadder {
   Rung climbed_ = Rung::none;
   Stamp last_trouble_{};
   Stamp came_{};
+  Stamp restarted_{};
 };
 
 }  // namespace sonoband

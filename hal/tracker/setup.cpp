@@ -60,14 +60,17 @@ void Setup::begin_stage(Stage stage) {
       if (has_rates) set(command::rate(config_.rate));
       set(command::usb_buffering(false), true);
       set(command::hemisphere(all_stations, config_.hemisphere));
-      // Left by someone else they would turn every calibration.
+      // Left by someone else these would turn or shift every calibration.
       set(command::clear_boresight(all_stations));
       set(command::clear_alignment(all_stations));
+      set(command::clear_tip_offset(all_stations));
+      if (has_rates) set(command::clear_mounting_frame());
       break;
     case Stage::verify:
       ask(command::ask_binary(), 'F', Expect::one);
       ask(command::ask_units(), 'U', Expect::one);
       ask(command::ask_output_list(config_.probe_station), 'O', Expect::list);
+      ask(command::ask_hemisphere(config_.probe_station), 'H', Expect::hemisphere);
       ask(command::ask_position_filter(), 'X', Expect::filter_off);
       ask(command::ask_attitude_filter(), 'Y', Expect::filter_off);
       if (has_rates) ask(command::ask_rate(), 'R', Expect::rate);
@@ -94,6 +97,13 @@ bool Setup::judge(const Packet& packet) {
     case Exchange::Expect::filter_off: {
       const auto f = decode_filter(packet);
       return f && (*f)[0] == 0 && (*f)[1] == 1;
+    }
+    case Exchange::Expect::hemisphere: {
+      const auto v = decode_vector(packet);
+      if (!v) return false;
+      const Eigen::Vector3f set(config_.hemisphere.x, config_.hemisphere.y, config_.hemisphere.z);
+      // The length means nothing; the unit may have made it 1.
+      return (Eigen::Vector3f(v->data()).normalized() - set.normalized()).norm() < 1e-3F;
     }
     case Exchange::Expect::stations: {
       const auto map = decode_stations(packet);

@@ -43,6 +43,7 @@ class Setup {
       list,
       rate,
       filter_off,
+      hemisphere,
       stations,
     } expect = Expect::nothing;
     bool may_be_refused = false;

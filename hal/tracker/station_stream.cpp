@@ -4,11 +4,20 @@ namespace sonoband {
 
 using namespace liberty;
 
-void StationStream::begin(int station, Duration period, std::uint32_t& next_epoch, Stamp now) {
+namespace {
+
+constexpr double hemisphere_slack_mm = 10;
+
+}  // namespace
+
+void StationStream::begin(int station, const LinkConfig& config, Duration period, std::uint32_t& next_epoch,
+                          Stamp now) {
   const std::optional<PoseSample> last = last_;
   *this = StationStream();
   last_ = last;  // for the mark, and so that time goes on
   station_ = station;
+  hemisphere_ = Eigen::Vector3d(config.hemisphere.x, config.hemisphere.y, config.hemisphere.z);
+  if (!hemisphere_.isZero()) hemisphere_.normalize();
   period_ = period;
   next_epoch_ = &next_epoch;
   last_heard_ = now;
@@ -80,7 +89,13 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
 
   const Eigen::Vector4d& wxyz = *record.quaternion_wxyz;
   Eigen::Quaterniond q = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
-  if (usable(pose.quality) || pose.quality == PoseQuality::distorted) {
+  // A unit that was told its hemisphere reports nothing outside it, so this is damage; a first reading has no
+  // predecessor that would show it.
+  const bool outside_hemisphere = record.position_mm->dot(hemisphere_) < -hemisphere_slack_mm;
+  if (outside_hemisphere) {
+    ++counters.mirrored;
+    worse(PoseQuality::outside, LinkReason::mirrored);
+  } else if (usable(pose.quality) || pose.quality == PoseQuality::distorted) {
     const std::uint32_t frames = placed_frame_ ? *record.frame - *placed_frame_ : 0;
     placed_frame_ = record.frame;
     switch (continuity_.judge(*record.position_mm, q, frames * period_)) {

@@ -15,7 +15,7 @@ namespace sonoband {
 class StationStream {
  public:
   // For each start of the stream. `next_epoch` is shared by all stations and gives out epoch ids.
-  void begin(int station, Duration period, std::uint32_t& next_epoch, Stamp now);
+  void begin(int station, const LinkConfig& config, Duration period, std::uint32_t& next_epoch, Stamp now);
 
   // A record whose values passed check_values; counts what it refuses in `counters`. `reason` gets what is
   // wrong with the pose, if anything.
@@ -34,6 +34,7 @@ class StationStream {
   void new_epoch();
 
   int station_ = 0;
+  Eigen::Vector3d hemisphere_ = Eigen::Vector3d::Zero();  // unit length; zero: the unit follows the sensor
   Duration period_{};
   std::uint32_t* next_epoch_ = nullptr;
   std::uint32_t epoch_ = 0;

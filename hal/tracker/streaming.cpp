@@ -21,7 +21,7 @@ void Streaming::begin(const LinkConfig& config, Duration period, Stamp now) {
   config_ = config;
   period_ = period;
   for (int s = 1; s <= max_stations; ++s)
-    stations_[static_cast<std::size_t>(s - 1)].begin(s, period, next_epoch_, now);
+    stations_[static_cast<std::size_t>(s - 1)].begin(s, config, period, next_epoch_, now);
   heard_ = false;
   last_heard_ = now;
   probe_silent_ = false;

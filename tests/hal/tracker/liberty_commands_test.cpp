@@ -33,6 +33,8 @@ TEST(LibertyCommands, StationsAndLists) {
   EXPECT_EQ(text(command::output_list(all_stations, tracking_list)), "O*,8,9,11,3,7\r");
   EXPECT_EQ(text(command::output_list(2, {Item::position, Item::angles, Item::crlf})), "O2,2,4,1\r");
   EXPECT_EQ(text(command::hemisphere(all_stations, {1, 0, 0})), "H*,1,0,0\r");
+  EXPECT_EQ(text(command::clear_tip_offset(all_stations)), "N*,0,0,0\r");
+  EXPECT_EQ(text(command::clear_mounting_frame()), "G0,0,0\r");
   EXPECT_EQ(text(command::hemisphere(16, {0.5F, -1, 0})), "H16,0.5,-1,0\r");
 }
 
