@@ -12,9 +12,11 @@ constexpr double max_drift = 200e-6;
 constexpr double window_s = 4;
 constexpr Duration settling = std::chrono::milliseconds(100);
 constexpr int settling_arrivals = 5;
-constexpr double broken_ns = 20e6;
-// A burst of delay ends; this long off the line is no burst.
-constexpr Duration broken_after = std::chrono::milliseconds(200);
+// Late by most of a period for this long, record after record: the count stood still meanwhile. A host that
+// is only slow is on time now and then.
+constexpr double broken_periods = 0.7;
+constexpr Duration broken_after = std::chrono::milliseconds(500);
+constexpr double early_ns = 20e6;
 
 }  // namespace
 
@@ -94,8 +96,8 @@ std::optional<Stamp> ArrivalFilter::on_arrival(std::uint32_t frame, Stamp arrive
 
   if (settled) {
     const double off_ns = late_ns - line_.at(static_cast<double>(frame_));
-    if (off_ns <= broken_ns) on_the_line_ = arrived;
-    if (off_ns < -broken_ns || arrived - on_the_line_ > broken_after) {
+    if (off_ns <= broken_periods * static_cast<double>(period_.count())) on_the_line_ = arrived;
+    if (off_ns < -early_ns || arrived - on_the_line_ > broken_after) {
       ++broken_;
       begin(frame, arrived);
       late_ns = 0;

@@ -26,8 +26,9 @@ class ArrivalFilter {
   // before (modulo 2^32).
   std::optional<Stamp> on_arrival(std::uint32_t frame, Stamp arrived);
 
-  // Counts each time the arrivals left the line for good, by more than 20 ms: the device's count stood
-  // still or skipped. The filter then starts anew by itself; times before and after are not comparable.
+  // Counts each time the arrivals left the line: 20 ms early (the count skipped), or late by most of a period
+  // for half a second (it stood still). The filter then starts anew by itself; times before and after are not
+  // comparable.
   std::uint32_t broken() const { return broken_; }
 
  private:

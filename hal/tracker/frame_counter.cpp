@@ -15,7 +15,7 @@ bool FrameCounter::follows(const Count& before, const Count& after) const {
   return std::abs(elapsed_ms - expected_ms) <= tolerance_ms;
 }
 
-FrameCounter::Verdict FrameCounter::judge(std::uint32_t frame, std::uint32_t time_ms) {
+FrameCounter::Verdict FrameCounter::judge(std::uint32_t frame, std::uint32_t time_ms, bool same_pose) {
   const Count now{frame, time_ms};
   if (!last_) {
     last_ = now;
@@ -27,8 +27,8 @@ FrameCounter::Verdict FrameCounter::judge(std::uint32_t frame, std::uint32_t tim
     doubtful_.reset();
     return {Step::in_order, lost};
   }
-  if (frame == last_->frame) return {Step::duplicate, 0};
-  if (doubtful_ && follows(*doubtful_, now)) {
+  if (frame == last_->frame && same_pose) return {Step::duplicate, 0};
+  if (frame == last_->frame || (doubtful_ && follows(*doubtful_, now))) {
     last_ = now;
     doubtful_.reset();
     return {Step::new_epoch, 0};

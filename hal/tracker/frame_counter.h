@@ -1,12 +1,13 @@
 // Which record of a station follows which, by the device's frame count and its millisecond stamp.
 //
-// | step of the count          | means                                                     |
-// |----------------------------|-----------------------------------------------------------|
-// | 1                          | in order                                                  |
-// | 0                          | a duplicate: dropped                                      |
-// | 2..1000                    | that many less one were lost                              |
-// | more, or backwards         | the device restarted: a new epoch                         |
-// | 1..1000, wrong by the clock | damaged, or the counter jumped: a new epoch if confirmed |
+// | step of the count     | means                                                        |
+// |-----------------------|--------------------------------------------------------------|
+// | 1                     | in order                                                     |
+// | 0, the same pose      | a duplicate: dropped                                         |
+// | 0, another pose       | the count stood still: a new epoch                           |
+// | 2..1000               | that many less one were lost                                 |
+// | more, or backwards    | the device restarted: a new epoch, if confirmed              |
+// | any, against the clock | damaged, or a counter jumped: a new epoch, if confirmed     |
 //
 // There is no checksum, so one odd record proves nothing: it is held back, and only a second one that agrees
 // with it opens the new epoch. If the old count goes on instead, the odd record was damage.
@@ -34,7 +35,8 @@ class FrameCounter {
 
   explicit FrameCounter(Duration period = from_seconds(1.0 / 240)) : period_(period) {}
 
-  Verdict judge(std::uint32_t frame, std::uint32_t time_ms);
+  // `same_pose`: the record's pose is, to the bit, that of the record before.
+  Verdict judge(std::uint32_t frame, std::uint32_t time_ms, bool same_pose);
 
  private:
   struct Count {

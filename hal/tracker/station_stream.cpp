@@ -38,7 +38,10 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
   heard_ = true;
   last_heard_ = arrived;
 
-  const FrameCounter::Verdict order = frames_.judge(*record.frame, *record.time_ms);
+  const bool same_pose = record.position_mm == last_record_.position_mm &&
+                         record.quaternion_wxyz == last_record_.quaternion_wxyz;
+  last_record_ = record;
+  const FrameCounter::Verdict order = frames_.judge(*record.frame, *record.time_ms, same_pose);
   lost_ += order.lost;
   switch (order.step) {
     case FrameCounter::Step::duplicate:

@@ -41,6 +41,7 @@ class StationStream {
   bool heard_ = false;
   Stamp last_heard_{};
   std::uint64_t lost_ = 0;
+  liberty::Record last_record_;
   std::optional<std::uint32_t> placed_frame_;  // of the last record whose pose was judged
   std::uint32_t broken_ = 0;
   FrameCounter frames_;
