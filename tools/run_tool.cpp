@@ -11,6 +11,8 @@ int run_tool(int argc, const char* const* argv) {
                 "sonoband-tool"};
   tool.require_subcommand(1);
   add_info(tool);
+  add_render(tool);
+  add_voxels(tool);
   add_convert(tool);
   try {
     tool.parse(argc, argv);

@@ -11,6 +11,8 @@ namespace sonoband::tools {
 
 void add_info(CLI::App& tool);
 void add_convert(CLI::App& tool);
+void add_render(CLI::App& tool);
+void add_voxels(CLI::App& tool);
 
 // The whole program: 0 success, 1 bad input, 2 wrong usage.
 int run_tool(int argc, const char* const* argv);

@@ -1,0 +1,51 @@
+// Which recording, in which frame, which of its frames and pixels: options shared by the verbs that render.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/exchange/sweep_from_sequence.h"
+
+namespace sonoband::tools {
+
+struct SweepOptions {
+  std::filesystem::path sequence;
+  std::vector<std::filesystem::path> calibrations;
+  std::string world;
+  std::string frames;  // A-B
+  std::string clip;    // X,Y,W,H
+  std::string mask = "auto";
+};
+
+std::shared_ptr<SweepOptions> add_sweep_options(CLI::App& verb);
+
+// Wrong usage that can be seen before anything is read.
+void check_sweep_options(const SweepOptions& options);
+
+// Reads the recording and its calibration; prints each warning. Throws BadInput, or CLI::ValidationError for
+// options that make no sense.
+exchange::SequenceSweep load_sweep(const SweepOptions& options);
+
+// {used, left_out: {cause: n}, world, links}
+nlohmann::ordered_json frames_json(const exchange::SequenceSweep& sweep);
+
+// A line of progress on a terminal, nothing elsewhere.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();  // clears the line
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void show(int done, int all);
+
+ private:
+  std::string what_;
+  bool terminal_;
+  int last_percent_ = -1;
+};
+
+}  // namespace sonoband::tools
