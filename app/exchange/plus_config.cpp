@@ -180,6 +180,8 @@ Pixels sector_mask(int width, int height, const std::optional<ClipRectangle>& cl
                   std::int64_t{y} - r->y < r->height);
   };
   constexpr double degree = std::numbers::pi / 180;
+  // Rays through pixel centres count as inside; 1e-9 px is far above rounding and far below a pixel.
+  constexpr double edge_px = 1e-9;
   const double tan_from = fan ? std::tan(fan->from_deg * degree) : 0;
   const double tan_to = fan ? std::tan(fan->to_deg * degree) : 0;
   Pixels mask(width, height);
@@ -191,8 +193,8 @@ Pixels sector_mask(int width, int height, const std::optional<ClipRectangle>& cl
         const double dx = x - fan->origin_px[0];
         const double dy = y - fan->origin_px[1];
         const double squared = dx * dx + dy * dy;
-        in = dy > 0 && dx >= tan_from * dy && dx <= tan_to * dy && squared >= fan->start_px * fan->start_px &&
-             squared <= fan->stop_px * fan->stop_px;
+        in = dy > 0 && dx >= tan_from * dy - edge_px && dx <= tan_to * dy + edge_px &&
+             squared >= fan->start_px * fan->start_px && squared <= fan->stop_px * fan->stop_px;
       }
       mask.view()(x, y) = in ? 255 : 0;
       left += in ? 1 : 0;
