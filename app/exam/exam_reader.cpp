@@ -66,21 +66,17 @@ bool frame_from(const Statement& row, std::int64_t sweep, StoredFrame& out) {
   return row.integer(15) == row_checksum(id, f, out.codec, out.pixels_checked);
 }
 
-// Frames that follow each other become one sentence.
-std::vector<std::string> name_runs(std::int64_t sweep, const std::vector<std::int64_t>& numbers,
-                                   const std::string& what) {
-  std::vector<std::string> sentences;
-  for (std::size_t i = 0; i < numbers.size();) {
-    std::size_t j = i;
-    while (j + 1 < numbers.size() && numbers[j + 1] == numbers[j] + 1) ++j;
-    std::string place = frame_name(sweep, numbers[i]);
-    if (j > i)
-      place = "sweep " + std::to_string(sweep) + ", frames " + std::to_string(numbers[i]) + " to " +
-              std::to_string(numbers[j]);
-    sentences.push_back(place + ": " + what);
-    i = j + 1;
-  }
-  return sentences;
+// Numbers of frames from `first` to `last`, both included.
+struct Run {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+std::string name_run(std::int64_t sweep, const Run& run) {
+  const std::string what = ": the record is damaged or missing";
+  if (run.first == run.last) return frame_name(sweep, run.first) + what;
+  return "sweep " + std::to_string(sweep) + ", frames " + std::to_string(run.first) + " to " +
+         std::to_string(run.last) + what;
 }
 
 }  // namespace
@@ -101,13 +97,20 @@ ExamReader::ExamReader(const std::filesystem::path& file, const std::string& vfs
 ExamSummary ExamReader::summary() const {
   ExamSummary s;
   s.path = file_.string();
-  Statement exam = database_.prepare("SELECT id, created_utc_ns FROM exam");
-  if (!exam.step())
-    throw StoreError(StoreError::Kind::damaged, file_.filename().string() + ": its head is missing");
+  Statement exam = database_.prepare("SELECT id, created_utc_ns, software, checked FROM exam");
+  if (!exam.step() || exam.integer(3) != text_checksum(exam.integer(1), exam.text(0) + '\n' + exam.text(2))) {
+    throw StoreError(StoreError::Kind::damaged, file_.filename().string() + ": its head is damaged");
+  }
   s.id = exam.text(0);
   s.created_utc_ns = exam.integer(1);
   exam.reset();
-  s.label = database_.text("SELECT label FROM label ORDER BY id DESC LIMIT 1");
+  Statement label =
+      database_.prepare("SELECT label, written_utc_ns, checked FROM label ORDER BY id DESC LIMIT 1");
+  if (label.step()) {
+    s.label = label.text(0);
+    if (label.integer(2) != text_checksum(label.integer(1), s.label))
+      throw StoreError(StoreError::Kind::damaged, file_.filename().string() + ": its label is damaged");
+  }
   s.sweeps = database_.integer("SELECT count(*) FROM sweep");
   for (const SweepSummary& sweep : sweeps()) s.frames += sweep.frames;
   s.closed = database_.text("SELECT what FROM event ORDER BY id DESC LIMIT 1") == "closed";
@@ -119,19 +122,19 @@ ExamSummary ExamReader::summary() const {
 std::vector<SweepSummary> ExamReader::sweeps() const {
   std::vector<SweepSummary> all;
   Statement row = database_.prepare(
-      "SELECT sweep.id, sweep_end.frames, interrupted, ledger_json, sweep_end.checked FROM sweep LEFT JOIN "
+      "SELECT sweep.id, frames, interrupted, ledger_json, sweep_end.checked, poses FROM sweep LEFT JOIN "
       "sweep_end ON sweep = sweep.id ORDER BY sweep.id");
   while (row.step()) {
     SweepSummary s;
     s.id = row.integer(0);
     if (row.is_null(1)) {
-      s.frames = last_number(s.id) + 1;
+      s.frames = count_frames(s.id);
     } else {
       s.ended = true;
       s.frames = row.integer(1);
       s.interrupted = row.integer(2) != 0;
       const std::string ledger = row.text(3);
-      if (row.integer(4) != text_checksum(frame_row(s.id, s.frames), ledger))
+      if (row.integer(4) != end_checksum(s.id, s.frames, row.integer(5), s.interrupted, ledger))
         throw StoreError(StoreError::Kind::damaged, file_.filename().string() + ": the end of sweep " +
                                                         std::to_string(s.id) + " is damaged");
       try {
@@ -173,37 +176,39 @@ SweepSetup ExamReader::setup(std::int64_t sweep) const {
   return setup;
 }
 
-std::int64_t ExamReader::last_number(std::int64_t sweep) const {
-  Statement last = database_.prepare("SELECT max(id) FROM frame WHERE id BETWEEN ?1 AND ?2");
-  last.bind(1, frame_row(sweep, 0)).bind(2, frame_row(sweep + 1, 0) - 1);
-  return last.step() && !last.is_null(0) ? last.integer(0) - frame_row(sweep, 0) : -1;
+std::int64_t ExamReader::count_frames(std::int64_t sweep) const {
+  Statement count = database_.prepare("SELECT count(*) FROM frame WHERE id BETWEEN ?1 AND ?2");
+  count.bind(1, frame_row(sweep, 0)).bind(2, frame_row(sweep + 1, 0) - 1);
+  return count.step() ? count.integer(0) : 0;
 }
 
 StoredFrames ExamReader::frames(std::int64_t sweep) const {
   const SweepSetup made = setup(sweep);
   StoredFrames out;
-  std::vector<std::int64_t> damaged;
-  std::int64_t next = 0;  // the first number not accounted for yet
+  std::vector<Run> damaged;
+  std::int64_t next = 0;      // the first number not accounted for yet
+  std::int64_t bad_rows = 0;  // not even their numbers can be trusted
   const auto take = [&](const Statement& row) {
     const std::int64_t number = row.integer(0) - frame_row(sweep, 0);
-    for (; next < number; ++next) damaged.push_back(next);
     StoredFrame frame;
     const bool whole = frame_from(row, sweep, frame) && frame.record.pixels.width == made.width &&
-                       frame.record.pixels.height == made.height && frame.record.kind == made.kind;
-    if (whole) {
-      out.frames.push_back(std::move(frame));
-    } else {
-      damaged.push_back(number);
+                       frame.record.pixels.height == made.height && frame.record.kind == made.kind &&
+                       number >= next;
+    if (!whole) {
+      ++bad_rows;
+      return;
     }
+    if (number > next) damaged.push_back({next, number - 1});
+    out.frames.push_back(std::move(frame));
     next = number + 1;
   };
   // How many there should be: said at the sweep's end, where it had one.
   std::int64_t expected = -1;
   try {
-    Statement end = database_.prepare("SELECT frames FROM sweep_end WHERE sweep = ?1");
-    if (end.bind(1, sweep).step()) expected = end.integer(0);
+    for (const SweepSummary& s : sweeps())
+      if (s.id == sweep && s.ended) expected = s.frames;
   } catch (const StoreError& e) {
-    out.damage.push_back("the end of sweep " + std::to_string(sweep) + " cannot be read");
+    out.damage.push_back(e.what());
   }
   try {
     Statement row = database_.prepare(std::string(frame_columns) + "WHERE id BETWEEN ?1 AND ?2 ORDER BY id");
@@ -213,35 +218,28 @@ StoredFrames ExamReader::frames(std::int64_t sweep) const {
   } catch (const StoreError& e) {
     if (e.kind() != StoreError::Kind::damaged) throw;
     // A page of the table is damaged: walk around it.
-    for (int misses = 0; expected >= 0 ? next < expected : misses < misses_at_the_end;) {
-      const std::int64_t number = next;
-      bool found = false;
+    Statement row = database_.prepare(std::string(frame_columns) + "WHERE id = ?1");
+    std::int64_t number = next;
+    for (int misses = 0; expected >= 0 ? number < expected : misses < misses_at_the_end; ++number) {
+      const std::int64_t before = next;
       try {
-        Statement row = database_.prepare(std::string(frame_columns) + "WHERE id = ?1");
-        if (row.bind(1, frame_row(sweep, number)).step()) {
-          take(row);
-          found = true;
-        }
+        row.reset();
+        if (row.bind(1, frame_row(sweep, number)).step()) take(row);
       } catch (const StoreError& again) {
         if (again.kind() != StoreError::Kind::damaged) throw;
       }
-      misses = found ? 0 : misses + 1;
-      if (!found) {
-        damaged.push_back(number);
-        next = number + 1;
-      }
+      misses = next > before ? 0 : misses + 1;
     }
-    if (expected < 0) {
-      // The trailing misses were no frames; how many were lost behind the damage nobody can tell.
-      std::erase_if(damaged, [&](std::int64_t n) { return n >= next - misses_at_the_end; });
+    if (expected < 0)
       out.damage.push_back("sweep " + std::to_string(sweep) +
                            ": the table of frames is damaged; frames after number " +
-                           std::to_string(next - misses_at_the_end - 1) + " may be missing");
-    }
+                           std::to_string(next - 1) + " may be missing");
   }
-  for (; next < expected; ++next) damaged.push_back(next);
-  for (std::string& s : name_runs(sweep, damaged, "the record is damaged or missing"))
-    out.damage.push_back(std::move(s));
+  if (next < expected) damaged.push_back({next, expected - 1});
+  for (const Run& run : damaged) out.damage.push_back(name_run(sweep, run));
+  if (damaged.empty() && bad_rows > 0)
+    out.damage.push_back("sweep " + std::to_string(sweep) + ": " + std::to_string(bad_rows) +
+                         " records of frames are damaged");
   return out;
 }
 
@@ -329,13 +327,12 @@ std::vector<ReviewObject> ExamReader::review(std::vector<std::string>& damage, b
       o.json = row.text(6);
       const std::span<const std::uint8_t> png = row.blob(7);
       o.png.assign(png.begin(), png.end());
-      if (!kind ||
-          row.integer(8) != (text_checksum(row.integer(0), o.object + '\n' + o.json) ^ checksum(png))) {
+      if (kind) o.kind = *kind;
+      if (!kind || row.integer(8) != row_checksum(row.integer(0), o)) {
         damage.push_back("review object " + o.object + ", version " + std::to_string(o.version) +
                          ": damaged");
         continue;
       }
-      o.kind = *kind;
       const auto [at, is_new] = newest.try_emplace(o.object, objects.size());
       if (is_new || all) {
         at->second = objects.size();
@@ -395,6 +392,13 @@ ExamReader::Verification ExamReader::verify(const std::function<bool(int)>& prog
     });
     if (stopped) return v;
   }
+  guarded("", [&] {
+    static_cast<void>(summary());
+    Statement row = database_.prepare("SELECT id, utc_ns, what, detail, checked FROM event");
+    while (row.step())
+      if (row.integer(4) != text_checksum(row.integer(1), row.text(2) + '\n' + row.text(3)))
+        v.damage.push_back("event " + std::to_string(row.integer(0)) + ": damaged");
+  });
   guarded("", [&] { v.reviews = static_cast<std::int64_t>(review(v.damage, true).size()); });
   guarded("", [&] {
     Statement row = database_.prepare("PRAGMA integrity_check(20)");

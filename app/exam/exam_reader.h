@@ -54,7 +54,7 @@ class ExamReader {
   Verification verify(const std::function<bool(int)>& progress = {}) const;
 
  private:
-  std::int64_t last_number(std::int64_t sweep) const;
+  std::int64_t count_frames(std::int64_t sweep) const;
 
   std::filesystem::path file_;
   Database database_;

@@ -41,9 +41,10 @@ ExamWriter ExamWriter::create(const std::filesystem::path& file, const std::stri
     database.run("PRAGMA synchronous=FULL");
     migrate(database, migrations());
     Transaction transaction(database);
-    Statement add = database.prepare("INSERT INTO exam VALUES(?1, ?2, ?3)");
+    Statement add = database.prepare("INSERT INTO exam VALUES(?1, ?2, ?3, ?4)");
     const std::string software = "sonoband " SONOBAND_VERSION;
-    add.bind(1, id).bind(2, utc_now_ns()).bind(3, software).run();
+    const std::int64_t now = utc_now_ns();
+    add.bind(1, id).bind(2, now).bind(3, software).bind(4, text_checksum(now, id + '\n' + software)).run();
     transaction.commit();
   }
   std::error_code error;
@@ -175,7 +176,7 @@ void ExamWriter::end_sweep(std::int64_t sweep, std::int64_t frames, const std::v
       .bind(3, poses)
       .bind(4, std::int64_t{interrupted})
       .bind(5, std::string_view(json));
-  add.bind(6, text_checksum(frame_row(sweep, frames), json)).run();
+  add.bind(6, end_checksum(sweep, frames, poses, interrupted, json)).run();
   transaction.commit();
 }
 
@@ -204,22 +205,28 @@ std::int64_t ExamWriter::add_review(const ReviewObject& o) {
   } else {
     add.bind(8, std::span<const std::uint8_t>(o.png));
   }
-  add.bind(9, text_checksum(id, o.object + '\n' + o.json) ^ checksum(o.png)).run();
+  ReviewObject versioned = o;
+  versioned.version = version;
+  add.bind(9, row_checksum(id, versioned)).run();
   transaction.commit();
   return version;
 }
 
 void ExamWriter::set_label(const std::string& label) {
   Transaction transaction(database_);
-  Statement add = database_.prepare("INSERT INTO label(written_utc_ns, label) VALUES(?1, ?2)");
-  add.bind(1, utc_now_ns()).bind(2, std::string_view(label)).run();
+  Statement add = database_.prepare("INSERT INTO label(written_utc_ns, label, checked) VALUES(?1, ?2, ?3)");
+  const std::int64_t now = utc_now_ns();
+  add.bind(1, now).bind(2, std::string_view(label)).bind(3, text_checksum(now, label)).run();
   transaction.commit();
 }
 
 void ExamWriter::add_event(const std::string& what, const std::string& detail) {
   Transaction transaction(database_);
-  Statement add = database_.prepare("INSERT INTO event(utc_ns, what, detail) VALUES(?1, ?2, ?3)");
-  add.bind(1, utc_now_ns()).bind(2, std::string_view(what)).bind(3, std::string_view(detail)).run();
+  Statement add =
+      database_.prepare("INSERT INTO event(utc_ns, what, detail, checked) VALUES(?1, ?2, ?3, ?4)");
+  const std::int64_t now = utc_now_ns();
+  add.bind(1, now).bind(2, std::string_view(what)).bind(3, std::string_view(detail));
+  add.bind(4, text_checksum(now, what + '\n' + detail)).run();
   transaction.commit();
 }
 

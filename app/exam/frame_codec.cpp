@@ -123,6 +123,17 @@ std::int64_t row_checksum(std::int64_t id, const PoseSample& p) {
       .value();
 }
 
+std::int64_t row_checksum(std::int64_t id, const ReviewObject& o) {
+  Digest digest(id);
+  digest.add(o.kind).add(o.version).add(o.removed).add(o.written_utc_ns).add(text_checksum(0, o.object));
+  return digest.add(text_checksum(0, o.json)).add(checksum(o.png)).value();
+}
+
+std::int64_t end_checksum(std::int64_t sweep, std::int64_t frames, std::int64_t poses, bool interrupted,
+                          const std::string& ledger) {
+  return Digest(sweep).add(frames).add(poses).add(interrupted).add(text_checksum(0, ledger)).value();
+}
+
 std::int64_t text_checksum(std::int64_t id, const std::string& text) {
   return checksum({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
                   static_cast<std::uint64_t>(id));

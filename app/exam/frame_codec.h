@@ -38,6 +38,9 @@ bool matrix_from(std::span<const std::uint8_t> bytes, Eigen::Matrix3d& linear, E
 std::int64_t row_checksum(std::int64_t id, const FrameRecord& frame, Codec codec,
                           std::int64_t pixels_checksum);
 std::int64_t row_checksum(std::int64_t id, const PoseSample& pose);
+std::int64_t row_checksum(std::int64_t id, const ReviewObject& object);
+std::int64_t end_checksum(std::int64_t sweep, std::int64_t frames, std::int64_t poses, bool interrupted,
+                          const std::string& ledger);
 std::int64_t text_checksum(std::int64_t id, const std::string& text);
 
 }  // namespace sonoband::exam

@@ -63,6 +63,7 @@ JournalState journal_state(const std::filesystem::path& exam) {
   std::vector<std::uint8_t> frame(page_head_bytes + page_bytes);
   bool chain = true;
   int commits_behind = 0;
+  std::uint32_t last_commit_page = 0;  // of the frame before, when that was a commit; pages count from 1
   bool pages_behind = false;
   while (in.read(reinterpret_cast<char*>(frame.data()), static_cast<std::streamsize>(frame.size()))) {
     const bool this_journal = std::equal(head.begin() + 16, head.begin() + 24, frame.begin() + 8);
@@ -74,12 +75,17 @@ JournalState journal_state(const std::filesystem::path& exam) {
       if (chain) {
         pages_behind = !commit;
         if (commit) ++state.commits;
+        last_commit_page = commit ? big(frame.data()) : 0;
         continue;
       }
     }
     if (this_journal) {
       pages_behind = true;
-      if (commit) ++commits_behind;
+      // On disks that may tear a neighbouring sector, SQLite fills up by repeating the commit's page, and
+      // does not wait for the end of that.
+      const std::uint32_t page = big(frame.data());
+      if (commit && page != last_commit_page) ++commits_behind;
+      last_commit_page = commit ? page : 0;
     }
   }
   // Each commit is synced before the next begins: with two behind the break, the break was in synced pages.

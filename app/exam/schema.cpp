@@ -8,9 +8,12 @@ namespace {
 // Text columns that end in `json` hold one JSON object. `checked` is XXH3 over the row (frame_codec.h).
 const char* const first_schema = R"sql(
 CREATE TABLE exam(
-  id TEXT NOT NULL, created_utc_ns INTEGER NOT NULL, software TEXT NOT NULL);
-CREATE TABLE label(id INTEGER PRIMARY KEY, written_utc_ns INTEGER NOT NULL, label TEXT NOT NULL);
-CREATE TABLE event(id INTEGER PRIMARY KEY, utc_ns INTEGER NOT NULL, what TEXT NOT NULL, detail TEXT NOT NULL);
+  id TEXT NOT NULL, created_utc_ns INTEGER NOT NULL, software TEXT NOT NULL,
+  checked INTEGER NOT NULL);
+CREATE TABLE label(id INTEGER PRIMARY KEY, written_utc_ns INTEGER NOT NULL, label TEXT NOT NULL,
+  checked INTEGER NOT NULL);
+CREATE TABLE event(id INTEGER PRIMARY KEY, utc_ns INTEGER NOT NULL, what TEXT NOT NULL, detail TEXT NOT NULL,
+  checked INTEGER NOT NULL);
 CREATE TABLE sweep(
   id INTEGER PRIMARY KEY, setup_json TEXT NOT NULL, mask BLOB, checked INTEGER NOT NULL);
 CREATE TABLE sweep_end(
