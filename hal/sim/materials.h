@@ -18,6 +18,8 @@ constexpr Material skin{.echo_db = -14, .loss_db_mm = 0.15F};
 constexpr Material fat{.echo_db = -27, .loss_db_mm = 0.05F};
 constexpr Material fascia{.echo_db = -12, .loss_db_mm = 0.3F};
 constexpr Material muscle{.echo_db = -31, .loss_db_mm = 0.05F};
+constexpr Material dark_muscle{.echo_db = -38, .loss_db_mm = 0.05F};
+constexpr Material gland{.echo_db = -25, .loss_db_mm = 0.05F};
 constexpr Material flesh{.echo_db = -32, .loss_db_mm = 0.06F};
 constexpr Material gristle{.echo_db = -40, .loss_db_mm = 0.06F};  // cartilage: joints and bone ends
 constexpr Material lung{.echo_db = -26, .loss_db_mm = 0.06F};

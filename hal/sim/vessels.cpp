@@ -40,11 +40,12 @@ Anatomy vessels() {
   const Flow vein{.peak_mm_s = -260, .pulsatility = 0.1F};
   // The vein is behind (deeper than) the artery and wider.
   add_tube(walls, lumens, bend({2, 25.5F, -60}, {-1, 27, 60}, {2.5F, 1.5F, 0}), 4.4F, vein);
-  add_tube(walls, lumens, bend({0, 17.5F, -60}, {0, 16.5F, 2}, {-1.5F, -1, 0}), 3.1F, artery);
-  add_tube(walls, lumens, bend({0, 16.5F, 2}, {-7.5F, 15, 60}, {-2, -1.5F, 0}), 2.2F, branch);
-  add_tube(walls, lumens, bend({0, 16.5F, 2}, {8, 19, 30}, {1.5F, 0.5F, 0}), 2.3F, branch);
+  // Larger ones later, so that their flow fills the places where they divide.
   add_tube(walls, lumens, bend({8, 19, 30}, {11.5F, 16, 60}, {0.6F, -0.4F, 0}), 1.5F, branch);
   add_tube(walls, lumens, bend({8, 19, 30}, {6.5F, 22, 60}, {0.4F, 0.5F, 0}), 1.5F, branch);
+  add_tube(walls, lumens, bend({0, 16.5F, 2}, {-7.5F, 15, 60}, {-2, -1.5F, 0}), 2.2F, branch);
+  add_tube(walls, lumens, bend({0, 16.5F, 2}, {8, 19, 30}, {1.5F, 0.5F, 0}), 2.3F, branch);
+  add_tube(walls, lumens, bend({0, 17.5F, -60}, {0, 16.5F, 2}, {-1.5F, -1, 0}), 3.1F, artery);
 
   std::vector<Shape> all;
   all.push_back(slab(-100, -3, tissue::air));
@@ -52,9 +53,9 @@ Anatomy vessels() {
   all.push_back(slab(0, 1.5F, tissue::skin));
   all.push_back(slab(1.5F, 5.5F, tissue::fat));
   all.push_back(slab(5.5F, 5.9F, tissue::fascia));
-  all.push_back(ellipsoid({-9, 9.5F, 0}, {10, 3.2F, 90}, tissue::muscle));
-  all.push_back(ellipsoid({11, 10, 0}, {9, 2.8F, 90}, tissue::muscle));
-  all.push_back(ellipsoid({-16, 19, -10}, {6, 7, 26}, tissue::liver));  // a gland beside the artery
+  all.push_back(ellipsoid({-9, 9.5F, 0}, {10, 3.2F, 90}, tissue::dark_muscle));
+  all.push_back(ellipsoid({11, 10, 0}, {9, 2.8F, 90}, tissue::dark_muscle));
+  all.push_back(ellipsoid({-16, 19, -10}, {6, 7, 26}, tissue::gland));  // beside the artery
   all.push_back(slab(38, 38.6F, tissue::fascia));
   all.insert(all.end(), walls.begin(), walls.end());
   all.insert(all.end(), lumens.begin(), lumens.end());
