@@ -1,0 +1,134 @@
+// What the operator has made of the sweeps of this run: the page shown, the plane, the curve, marks,
+// settings. Commands of the screen change it, the view shows it. One thread; knows no device.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/screen/render_worker.h"
+#include "ui/command.h"
+#include "ui/interact/curve_editor.h"
+#include "ui/view.h"
+
+namespace sonoband {
+
+// A sweep of this run, as the Exams page lists it.
+struct RunSweep {
+  HeldSweep held;
+  std::uint64_t id = 0;
+  std::string label;
+  std::string when;
+  double seconds = 0;
+};
+
+class Session {
+ public:
+  explicit Session(RenderWorker& worker) : worker_(worker) {}
+
+  // A sweep has started: the live page shows its band as it grows.
+  void begin_sweep(std::uint64_t id);
+  // It has grown; called as often as it pays. `done`: it is complete, and is shown in Review.
+  void grow_sweep(const RunSweep& sweep, bool done);
+  // The oldest sweep but the one shown is let go, to make room. False: there is none.
+  bool let_go_oldest();
+
+  // Carries out what belongs to it; the others (pedal, windows, quitting) are the caller's.
+  void apply(const ui::Command& command);
+
+  // Time passes: cine, flicks, notices; asks the worker for what has changed.
+  void tick(Stamp now);
+
+  // Fills pages, review, exams and the growing band; what it lends stays valid until the next call of
+  // anything here.
+  void fill(ui::View& view);
+
+  // Something moves by itself: draw another frame.
+  bool moving() const { return playing_ || fling_ != 0 || worker_.busy(); }
+
+  void say(std::string notice, Duration how_long = std::chrono::seconds(5));
+  ui::Page page() const { return page_; }
+  bool sound() const { return sound_; }
+  ui::PedalMode pedal_mode() const { return pedal_mode_; }
+  // A snapshot was asked for: of this window (none: the whole screen). Asked once.
+  std::optional<ui::Window> take_snapshot();
+
+ private:
+  struct MeasureItem {
+    ui::Measure kind = ui::Measure::distance;
+    std::vector<Eigen::Vector3d> points;
+    bool finished = false;
+  };
+  struct ContourItem {
+    std::int32_t frame = 0;
+    std::vector<Eigen::Vector2d> points;
+    bool finished = false;
+  };
+
+  void show(const RunSweep& sweep);
+  void reset_plane();
+  void ask();
+  const RunSweep* shown() const;
+  std::int32_t frame_count() const;
+  void add_measure_point(const Eigen::Vector3d& p);
+  double value_of(const MeasureItem& m) const;
+  void contour(const ui::Command& command);
+
+  RenderWorker& worker_;
+  std::vector<RunSweep> sweeps_;  // newest last
+  std::uint64_t shown_ = 0;
+  std::uint64_t growing_ = 0;
+  std::uint64_t sweep_version_ = 1;
+  std::optional<HeldSweep> growing_held_;
+
+  ui::Page page_ = ui::Page::live;
+  ui::Sheet sheet_ = ui::Sheet::none;
+  ui::Source sheet_source_ = ui::Source::scanner;
+  ui::Tool tool_ = ui::Tool::move;
+  ui::Measure measure_ = ui::Measure::distance;
+  ui::Window full_ = ui::Window::none;
+  ui::Orbit orbit_;
+  ui::Look look_;
+  ui::PedalMode pedal_mode_ = ui::PedalMode::hold;
+  bool sound_ = true;
+
+  ReslicePlane plane_;
+  RenderSettings settings_ = usual_settings();
+  ui::CurveEditor curve_;
+  double reach_mm_ = 20;
+  double current_ = 0;  // of the B-scans; a part of one while it plays
+  bool playing_ = false;
+  double fling_ = 0;  // B-scans a second
+  bool touching_ = false;
+  std::optional<Stamp> last_tick_;
+
+  std::vector<ui::LandmarkView> landmarks_;
+  std::vector<MeasureItem> measures_;
+  std::vector<ContourItem> contours_;
+  int next_landmark_ = 1;
+
+  std::string new_label_;
+  std::string label_;
+  std::uint64_t selected_ = 0;
+  int first_ = 0;
+  std::optional<ui::Window> snapshot_;
+  std::string notice_;
+  std::optional<Stamp> notice_until_;
+  Duration notice_for_{};
+
+  // What the worker was last asked for.
+  bool dirty_ = false;
+  std::shared_ptr<const RenderResult> result_;
+  // Lent to the view.
+  std::vector<ui::MeasureView> measure_views_;
+  std::vector<ui::ContourView> contour_views_;
+  std::vector<ui::CurveView::Smear> smear_views_;
+  std::vector<ui::ExamView> exam_views_;
+
+  static RenderSettings usual_settings();
+};
+
+}  // namespace sonoband

@@ -1,0 +1,68 @@
+#include "ui/interact/plane_motion.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "ui/interact/cross.h"
+
+namespace sonoband::ui {
+namespace {
+
+// After thousands of small turns the axes must still be unit and square.
+ReslicePlane squared(ReslicePlane plane) {
+  plane.right.v.normalize();
+  plane.down.v = (plane.down.v - plane.right.v.dot(plane.down.v) * plane.right.v).normalized();
+  return plane;
+}
+
+}  // namespace
+
+ReslicePlane moved(const ReslicePlane& plane, const Eigen::Vector2d& by_mm) {
+  ReslicePlane out = plane;
+  out.origin.v -= by_mm.x() * plane.right.v + by_mm.y() * plane.down.v;
+  return out;
+}
+
+ReslicePlane zoomed(const ReslicePlane& plane, double factor, const Eigen::Vector2d& about_mm) {
+  constexpr double finest_mm = 0.02;
+  constexpr double coarsest_mm = 2;
+  if (!(factor > 0)) return plane;
+  ReslicePlane out = plane;
+  out.pixel_mm = std::clamp(plane.pixel_mm / factor, std::min(finest_mm, plane.pixel_mm),
+                            std::max(coarsest_mm, plane.pixel_mm));
+  const double kept = 1 - out.pixel_mm / plane.pixel_mm;
+  out.origin.v += kept * (about_mm.x() * plane.right.v + about_mm.y() * plane.down.v);
+  return out;
+}
+
+ReslicePlane turned(const ReslicePlane& plane, double by_rad, const Eigen::Vector2d& about_mm) {
+  const double c = std::cos(by_rad);
+  const double s = std::sin(by_rad);
+  const Eigen::Vector3d about = from_plane(plane, about_mm);
+  ReslicePlane out = plane;
+  out.right.v = c * plane.right.v - s * plane.down.v;
+  out.down.v = s * plane.right.v + c * plane.down.v;
+  out = squared(out);
+  out.origin.v = about - about_mm.x() * out.right.v - about_mm.y() * out.down.v;
+  return out;
+}
+
+ReslicePlane pushed(const ReslicePlane& plane, double by_mm) {
+  ReslicePlane out = plane;
+  out.origin.v += by_mm * plane.normal().v;
+  return out;
+}
+
+ReslicePlane tilted(const ReslicePlane& plane, double about_right_rad, double about_down_rad,
+                    const Eigen::Vector2d& about_mm) {
+  const Eigen::Vector3d about = from_plane(plane, about_mm);
+  ReslicePlane out = plane;
+  out.down.v = Eigen::AngleAxisd(about_right_rad, out.right.v) * out.down.v;
+  out.right.v = Eigen::AngleAxisd(about_down_rad, out.down.v) * out.right.v;
+  out = squared(out);
+  out.origin.v = about - about_mm.x() * out.right.v - about_mm.y() * out.down.v;
+  return out;
+}
+
+}  // namespace sonoband::ui
