@@ -17,22 +17,24 @@ int ChordTree::build(const std::vector<PlanePoint>& vertices, int first, int las
   const int index = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
   Node node;
-  node.a = vertices[first];
-  node.b = vertices[last];
+  node.run.a = vertices[first];
+  node.run.b = vertices[last];
   node.first = first;
   node.last = last;
   if (last - first <= leaf_edges) {
     for (int i = first + 1; i < last; ++i)
-      node.stray = std::max(node.stray, distance_to_segment(vertices[i], node.a, node.b));
+      node.run.stray = std::max(node.run.stray, distance_to_segment(vertices[i], node.run.a, node.run.b));
   } else {
     const int middle = first + (last - first) / 2;
     node.left = build(vertices, first, middle);
     node.right = build(vertices, middle, last);
     // Both half chords lie within the triangle of a, middle, b. The sum bounds the true stray from above, by
     // a third on a circle.
-    node.stray = std::max(nodes_[node.left].stray, nodes_[node.right].stray) +
-                 distance_to_segment(vertices[middle], node.a, node.b);
+    node.run.stray = std::max(nodes_[node.left].run.stray, nodes_[node.right].run.stray) +
+                     distance_to_segment(vertices[middle], node.run.a, node.run.b);
   }
+  node.run.middle = 0.5 * (node.run.a + node.run.b);
+  node.run.radius = 0.5 * (node.run.b - node.run.a).norm() + node.run.stray;
   nodes_[index] = node;
   return index;
 }

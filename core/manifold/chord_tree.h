@@ -12,8 +12,14 @@ class ChordTree {
   // Edge i joins vertices[i] and vertices[i + 1].
   explicit ChordTree(const std::vector<PlanePoint>& vertices);
 
-  // Calls edge(i) for the edges of all runs that `reject` lets through, in ascending order. reject(a, b,
-  // stray) -> true when nothing within `stray` of the segment a b can matter.
+  // A run of edges: it stays within `stray` of the segment a b, and within `radius` of its middle.
+  struct Run {
+    PlanePoint a, b, middle;
+    double stray = 0, radius = 0;
+  };
+
+  // Calls edge(i) for the edges of all runs that `reject` lets through, in ascending order. reject(run) ->
+  // true when nothing of the run can matter.
   template <class Reject, class Edge>
   void visit(const Reject& reject, const Edge& edge) const {
     int stack[64];  // depth of the tree is at most 17 for max_curve_px
@@ -21,7 +27,7 @@ class ChordTree {
     if (!nodes_.empty()) stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[stack[--size]];
-      if (reject(node.a, node.b, node.stray)) continue;
+      if (reject(node.run)) continue;
       if (node.right < 0) {
         for (int i = node.first; i < node.last; ++i) edge(i);
       } else {
@@ -33,8 +39,7 @@ class ChordTree {
 
  private:
   struct Node {
-    PlanePoint a, b;
-    double stray = 0;
+    Run run;
     int first = 0, last = 0;    // edges [first, last)
     int left = -1, right = -1;  // children
   };

@@ -125,8 +125,8 @@ bool crosses_itself(const Curve& curve) {
     const PlanePoint pq = q - p;
     const PlanePoint middle = 0.5 * (p + q);
     const double half = 0.5 * pq.norm();
-    const auto far_away = [&](const PlanePoint& a, const PlanePoint& b, double stray) {
-      return distance_to_segment(middle, a, b) > half + stray;
+    const auto far_away = [&](const ChordTree::Run& run) {
+      return distance_to_segment(middle, run.a, run.b) > half + run.stray;
     };
     tree.visit(far_away, [&](int j) {
       // Each pair once; neighbours share a vertex and do not count.

@@ -1,6 +1,8 @@
 // The exact front: trimmed parallels and arcs. Not for use outside.
 #pragma once
 
+#include <array>
+
 #include "core/manifold/chord_tree.h"
 #include "core/manifold/offset_curve.h"
 
@@ -26,13 +28,18 @@ class ExactSide {
     PlanePoint a, b;
   };
   struct Element {
-    double dies = 0;            // nothing of it is left above this height
-    std::vector<Shade> shades;  // by ascending height
+    double dies = 0;                           // nothing of it is left above this height
+    double clear_until = 0;                    // up to this height only its closing corners take from it
+    double eaten_before = 0, eaten_after = 0;  // by those, per unit of height; an edge's
+    std::vector<Shade> shades;                 // by ascending height
   };
+  struct Lens;
 
   void prepare_edge(int edge);
   void prepare_corner(int corner);
-  static void settle(Element& element);
+  // Finds the edges, other than the element's `own`, that shade it before it dies. `edge`: about where on the
+  // curve it is.
+  void find_shades(const Lens& lens, int edge, const std::array<int, 3>& own, Element& element);
   void add_edge(int edge, double h, Front& front) const;
   void add_corner(int corner, double h, Front& front) const;
 

@@ -29,6 +29,7 @@ class Search {
 
   std::vector<std::optional<PlanePoint>> run() {
     if (front_.empty()) return std::move(feet_);
+    survivors_.reserve(rulings_.size());
     // The last ruling of a closed curve stands where its first does.
     const int first = side_.closed && rulings_.size() > 1 ? 1 : 0;
     const int count = static_cast<int>(rulings_.size());
@@ -153,21 +154,31 @@ class Search {
       rise = std::max(rise, way.dot(side_.edges[after].out));
     }
     if (rise < 0) return false;
-    const PlanePoint middle = ruling.at + 0.5 * way;
-    const double half = 0.5 * way.norm();
+    // No part of the curve is within h of q: only the first part of the way can meet it.
+    const double length = std::max(0.0, way.norm() - h_);
+    const PlanePoint along = way.normalized();
+    const PlanePoint beside = quarter_turn(along);
     bool clear = true;
-    walls_->visit([&](const PlanePoint& a, const PlanePoint& b,
-                      double stray) { return !clear || distance_to_segment(middle, a, b) > half + stray; },
-                  [&](int j) {
-                    const PlanePoint& a = side_.vertices[j];
-                    const PlanePoint span = side_.vertices[j + 1] - a;
-                    const double across = cross(way, span);
-                    if (across == 0) return;
-                    const double on_way = cross(a - ruling.at, span) / across;
-                    const double on_wall = cross(a - ruling.at, way) / across;
-                    // The ruling itself stands on the curve; q keeps its distance.
-                    if (on_way > 1e-9 && on_way < 1 && on_wall >= 0 && on_wall <= 1) clear = false;
-                  });
+    walls_->visit(
+        [&](const ChordTree::Run& run) {
+          if (!clear) return true;
+          const PlanePoint to_a = run.a - ruling.at, to_b = run.b - ruling.at;
+          const double stray = run.stray;
+          const double a_beside = beside.dot(to_a), b_beside = beside.dot(to_b);
+          if (std::min(a_beside, b_beside) > stray || std::max(a_beside, b_beside) < -stray) return true;
+          const double a_along = along.dot(to_a), b_along = along.dot(to_b);
+          return std::min(a_along, b_along) > length + stray || std::max(a_along, b_along) < -stray;
+        },
+        [&](int j) {
+          const PlanePoint& a = side_.vertices[j];
+          const PlanePoint span = side_.vertices[j + 1] - a;
+          const double across = cross(way, span);
+          if (across == 0) return;
+          const double on_way = cross(a - ruling.at, span) / across;
+          const double on_wall = cross(a - ruling.at, way) / across;
+          // The ruling itself stands on the curve; q keeps its distance.
+          if (on_way > 1e-9 && on_way < 1 && on_wall >= 0 && on_wall <= 1) clear = false;
+        });
     return clear;
   }
 
