@@ -9,19 +9,11 @@
 namespace sonoband {
 namespace {
 
-struct Span {
-  double lowest = 0, highest = 0;
-};
-
-Span span_of(const AffineScalar& f, const SampleBox& box) {
-  const double centre = f.at(box.centre), extent = box.extent(f.gradient);
-  return {centre - extent, centre + extent};
-}
-
 enum class Support { none, some, full };
 
 // Of feet in picture and mask, over the whole box.
-Support support(const FrameTable& table, const FrameEntry& f, const SampleBox& box) {
+Support support(const FrameTable& table, const FrameEntry& f, const SampleBox& box, bool& borders_mask) {
+  borders_mask = false;
   // A pixel's border may be taken either way by a tie: full means full with a tie's room to spare.
   constexpr double room = 1e-3;
   const Span x = span_of(f.x_px, box), y = span_of(f.y_px, box);
@@ -40,10 +32,21 @@ Support support(const FrameTable& table, const FrameEntry& f, const SampleBox& b
   const auto kept = static_cast<std::int64_t>(table.mask_sums.kept(x0, y0, x1, y1));
   if (kept == 0) return Support::none;
   const std::int64_t area = static_cast<std::int64_t>(x1 - x0 + 1) * (y1 - y0 + 1);
+  borders_mask = kept != area;
   return inside && kept == area ? Support::full : Support::some;
 }
 
 }  // namespace
+
+Span span_of(const AffineScalar& f, const SampleBox& box) {
+  const double centre = f.at(box.centre), extent = box.extent(f.gradient);
+  return {centre - extent, centre + extent};
+}
+
+AffineScalar oriented_z(const FrameEntry& frame) {
+  if (!frame.flipped) return frame.z_mm;
+  return {-frame.z_mm.gradient, -frame.z_mm.offset};
+}
 
 BlockBox box_of(const LineBundle& bundle, const BundleBlock& block) {
   const auto index = [&](int row, int layer) {
@@ -107,56 +110,43 @@ BlockBox box_of(const LineBundle& bundle, const BundleBlock& block) {
   return result;
 }
 
-std::vector<int> cull(const FrameTable& table, const std::vector<int>& frames, const SampleBox& box,
-                      Interpolation interpolation) {
+void cull(const FrameTable& table, const std::vector<int>& frames, const SampleBox& box,
+          Interpolation interpolation, std::vector<Candidate>& kept) {
   const double reach = interpolation == Interpolation::linear ? 2 : 1;
-  struct Candidate {
-    int index;
-    Span z;       // along the common orientation
-    double sign;  // of the frame's own normal
-  };
-  std::vector<Candidate> near;
-  int front_above = -1, front_below = -1;  // of `near`: nearest server of the whole box on either side
+  kept.clear();
+  int above = -1, below = -1;  // of `kept`: nearest server of the whole box on either side
   for (const int i : frames) {
     const FrameEntry& f = table.frames[i];
-    Span z = span_of(f.z_mm, box);
-    if (f.flipped) z = {-z.highest, -z.lowest};
-    if (z.lowest > reach * f.gap_mm + tie_mm || z.highest < -reach * f.gap_mm - tie_mm) continue;
-    const Support s = support(table, f, box);
+    Candidate c;
+    c.frame = i;
+    c.z_centre = f.z_mm.at(box.centre);
+    const double extent = box.extent(f.z_mm.gradient);
+    if (std::abs(c.z_centre) - extent > reach * f.gap_mm + tie_mm) continue;
+    if (f.flipped) c.z_centre = -c.z_centre;
+    c.z = {c.z_centre - extent, c.z_centre + extent};
+    const Support s = support(table, f, box, c.borders_mask);
     if (s == Support::none) continue;
-    near.push_back({i, z, f.flipped ? -1.0 : 1.0});
-    const int last = static_cast<int>(near.size()) - 1;
-    if (s != Support::full) continue;
-    if (z.lowest >= 0 && z.highest <= f.gap_mm &&
-        (front_above < 0 || z.highest < near[front_above].z.highest)) {
-      front_above = last;
-    }
-    if (z.highest < 0 && z.lowest >= -f.gap_mm &&
-        (front_below < 0 || z.lowest > near[front_below].z.lowest)) {
-      front_below = last;
-    }
+    c.full = s == Support::full;
+    kept.push_back(c);
+    if (!c.full) continue;
+    const int last = static_cast<int>(kept.size()) - 1;
+    if (c.z.lowest >= 0 && c.z.highest <= f.gap_mm && (above < 0 || c.z.highest < kept[above].z.highest))
+      above = last;
+    if (c.z.highest < 0 && c.z.lowest >= -f.gap_mm && (below < 0 || c.z.lowest > kept[below].z.lowest))
+      below = last;
   }
-  // `candidate` is farther from every sample than the server, on the same side.
-  const auto behind = [&](const Candidate& candidate, int server) {
-    if (server < 0) return false;
-    const Candidate* front = &near[server];
-    if (front->index == candidate.index) return false;
-    const bool above = candidate.z.lowest >= 0;
-    if (!above && candidate.z.highest >= 0) return false;
-    const FrameEntry& far_frame = table.frames[candidate.index];
-    const FrameEntry& near_frame = table.frames[front->index];
-    const AffineScalar difference{
-        candidate.sign * far_frame.z_mm.gradient - front->sign * near_frame.z_mm.gradient,
-        candidate.sign * far_frame.z_mm.offset - front->sign * near_frame.z_mm.offset};
-    const Span farther = span_of(difference, box);
-    return above ? farther.lowest > tie_mm : farther.highest < -tie_mm;
-  };
-  std::vector<int> kept;
-  for (const Candidate& c : near) {
-    const int server = c.z.lowest >= 0 ? front_above : front_below;
-    if (!behind(c, server)) kept.push_back(c.index);
-  }
-  return kept;
+  const Candidate front_above = above < 0 ? Candidate{} : kept[above];
+  const Candidate front_below = below < 0 ? Candidate{} : kept[below];
+  // Farther from every sample than the server, on the same side.
+  std::erase_if(kept, [&](const Candidate& c) {
+    const bool is_above = c.z.lowest >= 0, is_below = c.z.highest < 0;
+    if ((is_above ? above : is_below ? below : -1) < 0) return false;
+    const Candidate& server = is_above ? front_above : front_below;
+    if (server.frame == c.frame) return false;
+    const AffineScalar near = oriented_z(table.frames[server.frame]), far = oriented_z(table.frames[c.frame]);
+    const Span farther = span_of({far.gradient - near.gradient, far.offset - near.offset}, box);
+    return is_above ? farther.lowest > tie_mm : farther.highest < -tie_mm;
+  });
 }
 
 }  // namespace sonoband

@@ -34,11 +34,28 @@ struct BlockBox {
 };
 BlockBox box_of(const LineBundle& bundle, const BundleBlock& block);
 
+// Lowest and highest value over a box.
+struct Span {
+  double lowest = 0, highest = 0;
+};
+Span span_of(const AffineScalar& f, const SampleBox& box);
+
+struct Candidate {
+  int frame = 0;              // index into the table
+  bool full = false;          // picture and mask hold every foot of the box
+  bool borders_mask = false;  // not every pixel about the feet is in the mask
+  Span z;                     // mm, by the common orientation
+  double z_centre = 0;
+};
+
+// The frame's z by the common orientation.
+AffineScalar oriented_z(const FrameEntry& frame);
+
 // Those of `frames` (indices into the table, ascending) that can give a sample of the box its value,
 // ascending. Left out are frames whose picture holds no foot of the box or that are out of reach everywhere,
 // and frames behind one that serves the whole box: on the same side of every sample, farther from each, and
 // so never nearest, neither of all frames nor of a side.
-std::vector<int> cull(const FrameTable& table, const std::vector<int>& frames, const SampleBox& box,
-                      Interpolation interpolation);
+void cull(const FrameTable& table, const std::vector<int>& frames, const SampleBox& box,
+          Interpolation interpolation, std::vector<Candidate>& kept);
 
 }  // namespace sonoband

@@ -1,11 +1,13 @@
 // Planes as bundles of lines, and the one kernel that paints bundles.
 #include <array>
 #include <limits>
+#include <numeric>
 
 #include "core/reslice/band.h"
 #include "core/reslice/bilinear.h"
 #include "core/reslice/compound.h"
 #include "core/reslice/cull.h"
+#include "core/reslice/nearest_painter.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {
@@ -40,8 +42,10 @@ class BlockPainter {
   void paint(const BundleBlock& block, const std::vector<int>& frames) {
     const BlockBox box = box_of(bundle_, block);
     if (box.empty) return;
-    const std::vector<int> kept = cull(table_, frames, box.box, settings_.interpolation);
-    if (kept.empty()) return;
+    cull(table_, frames, box.box, settings_.interpolation, candidates_);
+    if (candidates_.empty()) return;
+    std::vector<int> kept;
+    for (const Candidate& c : candidates_) kept.push_back(c.frame);
     for (int row = block.row_begin; row < block.row_end; ++row) paint_row(block, row, kept);
   }
 
@@ -130,7 +134,65 @@ class BlockPainter {
   const RenderSettings& settings_;
   BandImage& image_;
   Nearest any_, above_, below_;
+  std::vector<Candidate> candidates_;
 };
+
+// Where line (row, layer) of a plane starts.
+Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
+  return plane.origin + (row * plane.pixel_mm) * plane.down + band.offset_mm(layer) * plane.normal();
+}
+
+std::vector<int> all_frames(const FrameTable& table) {
+  std::vector<int> all(table.frames.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+BandImage empty_image(int width, int height, PixelKind kind) {
+  return {Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), kind};
+}
+
+// Any bundle, by the plain kernel.
+void paint_plainly(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
+                   Parallel& parallel, BandImage& image) {
+  const std::vector<int> all = all_frames(table);
+  parallel.for_each((bundle.rows + block_rows - 1) / block_rows, [&](int b) {
+    const BundleBlock rows{b * block_rows, std::min((b + 1) * block_rows, bundle.rows), 0, bundle.samples};
+    const BlockBox box = box_of(bundle, rows);
+    if (box.empty) return;
+    std::vector<Candidate> candidates;
+    cull(table, all, box.box, settings.interpolation, candidates);
+    std::vector<int> near;
+    for (const Candidate& c : candidates) near.push_back(c.frame);
+    BlockPainter painter(table, bundle, settings, image);
+    for (int s = 0; s < bundle.samples; s += block_samples)
+      painter.paint({rows.row_begin, rows.row_end, s, std::min(s + block_samples, bundle.samples)}, near);
+  });
+}
+
+void paint_lattice(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                   Parallel& parallel, BandImage& image) {
+  const std::vector<int> all = all_frames(table);
+  const int across = (lattice.samples + tile_pixels - 1) / tile_pixels;
+  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
+  parallel.for_each(across * down, [&](int tile) {
+    NearestPainter painter(table, settings.compounding, image);
+    painter.paint_tile(lattice, all, tile % across * tile_pixels, tile / across * tile_pixels);
+  });
+}
+
+void paint_curved(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
+                  Parallel& parallel, BandImage& image) {
+  const std::vector<int> all = all_frames(table);
+  const int across = (bundle.samples + patch_lanes - 1) / patch_lanes;
+  const int down = (bundle.rows + block_rows - 1) / block_rows;
+  parallel.for_each(across * down, [&](int block) {
+    NearestPainter painter(table, settings.compounding, image);
+    const int first = block / across * block_rows;
+    painter.paint_lines(bundle, all, block % across * patch_lanes, first,
+                        std::min(first + block_rows, bundle.rows));
+  });
+}
 
 }  // namespace
 
@@ -141,33 +203,24 @@ LineBundle plane_lines(const ReslicePlane& plane, const Band& band) {
   bundle.layers = band.layers();
   bundle.step = plane.pixel_mm * plane.right;
   bundle.starts.reserve(static_cast<std::size_t>(bundle.rows) * bundle.layers);
-  for (int row = 0; row < plane.height; ++row) {
-    for (int layer = 0; layer < bundle.layers; ++layer) {
-      bundle.starts.push_back(plane.origin + (row * plane.pixel_mm) * plane.down +
-                              band.offset_mm(layer) * plane.normal());
-    }
-  }
+  for (int row = 0; row < plane.height; ++row)
+    for (int layer = 0; layer < bundle.layers; ++layer)
+      bundle.starts.push_back(line_start(plane, band, row, layer));
   return bundle;
 }
 
 BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                        Parallel& parallel) {
   const FrameTable table = make_frame_table(sweep, settings.gap);
-  BandImage image{Pixels(bundle.samples, bundle.rows),
-                  ImageBuffer<std::uint16_t>(bundle.samples, bundle.rows), table.kind};
-  if (bundle.samples <= 0) return image;
-  std::vector<int> all(table.frames.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  parallel.for_each((bundle.rows + block_rows - 1) / block_rows, [&](int b) {
-    BundleBlock rows{b * block_rows, std::min((b + 1) * block_rows, bundle.rows), 0, bundle.samples};
-    const BlockBox box = box_of(bundle, rows);
-    if (box.empty) return;
-    const std::vector<int> near = cull(table, all, box.box, settings.interpolation);
-    BlockPainter painter(table, bundle, settings, image);
-    for (int s = 0; s < bundle.samples; s += block_samples) {
-      painter.paint({rows.row_begin, rows.row_end, s, std::min(s + block_samples, bundle.samples)}, near);
-    }
-  });
+  BandImage image = empty_image(bundle.samples, bundle.rows, table.kind);
+  if (bundle.samples <= 0 || bundle.rows <= 0) return image;
+  if (settings.interpolation == Interpolation::linear) {
+    paint_plainly(table, bundle, settings, parallel, image);
+  } else if (const std::optional<Lattice> lattice = lattice_of(bundle)) {
+    paint_lattice(table, *lattice, settings, parallel, image);
+  } else {
+    paint_curved(table, bundle, settings, parallel, image);
+  }
   return image;
 }
 

@@ -1,0 +1,60 @@
+#include "core/reslice/chain.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/reslice/ties.h"
+
+namespace sonoband {
+namespace {
+
+// Distances this close are the general algebra's business.
+constexpr double apart_mm = 1e-4;
+
+Span gap_between(const FrameTable& table, const Candidate& before, const Candidate& after,
+                 const SampleBox& box) {
+  const AffineScalar a = oriented_z(table.frames[before.frame]), b = oriented_z(table.frames[after.frame]);
+  return span_of({a.gradient - b.gradient, a.offset - b.offset}, box);
+}
+
+}  // namespace
+
+bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                Chain& chain) {
+  if (candidates.empty()) return false;
+  for (const Candidate& c : candidates)
+    if (!c.full) return false;
+  chain.members.resize(candidates.size());
+  std::iota(chain.members.begin(), chain.members.end(), 0);
+  std::sort(chain.members.begin(), chain.members.end(),
+            [&](int a, int b) { return candidates[a].z_centre > candidates[b].z_centre; });
+  const auto member = [&](std::size_t i) -> const Candidate& { return candidates[chain.members[i]]; };
+  const auto reach = [&](const Candidate& c) { return table.frames[c.frame].gap_mm; };
+  double greatest_reach = 0;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    greatest_reach = std::max(greatest_reach, reach(member(i)));
+    if (i == 0) continue;
+    const Span gap = gap_between(table, member(i - 1), member(i), box);
+    if (gap.lowest <= apart_mm || gap.highest > 2 * std::min(reach(member(i - 1)), reach(member(i))))
+      return false;
+  }
+  const Candidate& first = member(0);
+  const Candidate& last = member(candidates.size() - 1);
+  chain.first_ends = first.z.lowest < 0;
+  chain.last_ends = last.z.highest > 0;
+  // Where an end frame is out of reach, one behind it could reach only by being longer in reach than it is
+  // behind.
+  const auto outreached = [&](const Candidate& end) {
+    if (greatest_reach <= reach(end)) return false;
+    for (const Candidate& c : candidates) {
+      if (c.frame == end.frame) continue;
+      const Span behind = gap_between(table, end, c, box);
+      const double least = behind.lowest > 0 ? behind.lowest : -behind.highest;
+      if (reach(c) > reach(end) + least - apart_mm) return true;
+    }
+    return false;
+  };
+  return !(chain.first_ends && outreached(first)) && !(chain.last_ends && outreached(last));
+}
+
+}  // namespace sonoband

@@ -1,0 +1,38 @@
+#include "core/reslice/lattice.h"
+
+namespace sonoband {
+
+std::optional<Lattice> lattice_of(const LineBundle& bundle) {
+  if (bundle.rows <= 0 || bundle.layers <= 0) return std::nullopt;
+  for (const std::uint8_t p : bundle.present)
+    if (p == 0) return std::nullopt;
+  const auto start = [&](int row, int layer) -> const Eigen::Vector3d& {
+    return bundle.starts[static_cast<std::size_t>(row) * bundle.layers + layer].v;
+  };
+  Lattice lattice{
+      start(0, 0), bundle.step.v, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), bundle.samples,
+      bundle.rows, bundle.layers};
+  const int last_row = bundle.rows - 1, last_layer = bundle.layers - 1;
+  if (last_row > 0) lattice.per_row = (start(last_row, 0) - start(0, 0)) / last_row;
+  if (last_layer > 0) lattice.per_layer = (start(0, last_layer) - start(0, 0)) / last_layer;
+  constexpr double off_mm = 1e-6;
+  for (int row = 0; row < bundle.rows; ++row) {
+    const Eigen::Vector3d first = lattice.at(0, row, 0);
+    for (int layer = 0; layer < bundle.layers; ++layer) {
+      if ((start(row, layer) - first - layer * lattice.per_layer).squaredNorm() > off_mm * off_mm)
+        return std::nullopt;
+    }
+  }
+  return lattice;
+}
+
+SampleBox box_of(const Lattice& lattice, const LatticeBlock& block) {
+  const double a = (block.width - 1) / 2.0, b = (block.height - 1) / 2.0, l = (block.depth - 1) / 2.0;
+  SampleBox box;
+  box.centre = lattice.at(block.a + a, block.b + b, block.l + l);
+  box.half = {a * lattice.per_sample,  b * lattice.per_row,     l * lattice.per_layer,
+              Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  return box;
+}
+
+}  // namespace sonoband

@@ -1,0 +1,32 @@
+// Bundles whose lines are equally spaced in every direction: planes. Their samples form a lattice on which
+// all is affine: sample a of row b of layer l.
+#pragma once
+
+#include <optional>
+
+#include "core/reslice/cull.h"
+
+namespace sonoband {
+
+struct Lattice {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // sample (0, 0, 0)
+  Eigen::Vector3d per_sample = Eigen::Vector3d::Zero(), per_row = Eigen::Vector3d::Zero(),
+                  per_layer = Eigen::Vector3d::Zero();  // mm
+  int samples = 0, rows = 0, layers = 0;
+
+  Eigen::Vector3d at(double a, double b, double l) const {
+    return origin + a * per_sample + b * per_row + l * per_layer;
+  }
+};
+
+// Empty where a line is absent or starts more than 1 nm off the lattice.
+std::optional<Lattice> lattice_of(const LineBundle& bundle);
+
+// A block of a lattice: samples [a, a + width) of rows [b, b + height) of layers [l, l + depth).
+struct LatticeBlock {
+  int a = 0, b = 0, l = 0;
+  int width = 0, height = 0, depth = 0;
+};
+SampleBox box_of(const Lattice& lattice, const LatticeBlock& block);
+
+}  // namespace sonoband

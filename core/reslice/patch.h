@@ -1,0 +1,121 @@
+// A patch is 64 samples of every layer, painted together: lane k of each layer is sample (k % across, k /
+// across) of a small rectangle of the picture. What is affine over the picture is affine over lanes and
+// layers, so a patch needs of a frame one position per layer and one offset per lane.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/reslice/frame_table.h"
+
+namespace sonoband {
+
+constexpr int patch_lanes = 64;
+// Layers painted in one go, so that counts fit a byte and sums of bytes 16 bits. Thicker bands come in
+// pieces.
+constexpr int patch_layers = 128;
+
+struct LaneShape {
+  int across = 64;  // samples along a line: 1, 2, 4 ... 64
+  int down() const { return patch_lanes / across; }
+};
+
+using LaneMask = std::uint64_t;  // bit k: lane k
+
+// Where the lanes lie, from lane 0: samples along the line, rows down.
+struct alignas(64) LaneGrid {
+  std::array<float, patch_lanes> a, b;
+};
+LaneGrid lane_grid(LaneShape shape);
+
+// Lengths along the picture's axes in 1/2^32 of a B-scan pixel: exact sums, in any order, on any machine.
+using FixedPx = std::int64_t;
+constexpr double fixed_per_px = 4294967296.0;
+
+// How a frame's pixels are fetched for 64 lanes at once.
+enum class Fetch : std::uint8_t {
+  rows,    // lanes lie on few pixel rows: up to 127 pixels of each
+  window,  // lanes lie within 16 x 16 pixels
+  single,  // lane by lane
+};
+
+// One frame as a patch of one shape sees it, wherever the patch is. `single` works for any geometry; the
+// other tables are for kernels with byte permutes.
+struct alignas(64) PatchFrame {
+  // Whole and fractional pixels from lane 0, in 1/65536.
+  std::array<std::int32_t, patch_lanes> offset_x, offset_y;
+  std::array<std::uint16_t, patch_lanes> part_x, part_y;  // the fractional parts
+  std::array<std::uint8_t, patch_lanes> column, row;      // the whole parts less the least
+  const std::uint8_t* pixels = nullptr;
+  std::ptrdiff_t stride = 0;
+  int width = 0, height = 0;
+  int least_column = 0, least_row = 0;       // of the whole parts
+  int columns = 0, rows = 0;                 // greatest whole part less the least
+  std::int32_t least_y = 0, greatest_y = 0;  // of offset_y
+  Fetch fetch = Fetch::single;
+};
+
+// What a patch has gathered from up to patch_layers layers. Only the fields of the rule in use are kept.
+struct alignas(64) PatchSums {
+  std::array<std::uint8_t, patch_lanes> extreme;
+  std::array<std::uint8_t, patch_lanes> count;     // layers with data
+  std::array<std::uint8_t, patch_lanes> coloured;  // of them
+  std::array<std::uint16_t, patch_lanes> sum;      // of grey
+  std::array<std::int16_t, patch_lanes> velocity;  // of coloured, levels
+};
+
+enum class Rule : std::uint8_t { maximum, minimum, mean_grey, mean_doppler };
+
+// For each lane the layer where an affine condition changes: true from that layer on, or up to it.
+struct alignas(64) LayerThresholds {
+  std::array<std::uint8_t, patch_lanes> layer;
+  int least = 0, greatest = 0;  // of layer
+  bool rising = true;           // condition holds for l >= layer; else for l < layer
+};
+
+// first + a per_sample + b per_row + l per_layer at lane (a, b) of layer l.
+struct PatchFunction {
+  float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
+};
+
+// The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
+// sets give the same bits.
+struct PatchKernels {
+  // Of the condition f >= 0.
+  void (*thresholds)(const LaneGrid& grid, const PatchFunction& f, LayerThresholds& out);
+
+  // masks[l - first] = lanes where `from` holds and `to` does not, for first <= l < last.
+  void (*between)(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first, int last,
+                  LaneMask* masks);
+
+  // masks[l] = lanes where base[l] + a per_sample + b per_row >= 0.
+  void (*half_space)(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
+                     LaneMask* masks);
+
+  // masks[l] &= lanes whose pixel lies in the picture and, where `mask` is given (in place of f.pixels, same
+  // size, non-zero inside), in the mask.
+  void (*inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride, const FixedPx* x,
+                 const FixedPx* y, int layers, LaneMask* masks);
+
+  // Compounds the pixels of the lanes in masks[l] at positions x[l], y[l] of lane 0. A position is the foot +
+  // 1/2 pixel, so that its whole part is the pixel. Those lanes must lie in the picture.
+  void (*take)(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
+               Rule rule, PatchSums& sums);
+};
+
+const PatchKernels& patch_kernels();
+
+// Pixels a frame's foot moves from sample to sample and from row to row.
+struct FootSteps {
+  double x_per_sample = 0, x_per_row = 0, y_per_sample = 0, y_per_row = 0;
+};
+
+// Empty where lanes would lie farther apart than the tables hold (8000 pixels).
+bool make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out);
+
+// The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
+// numbers never fall below a boundary they are on.
+FixedPx fixed_position(double foot_px);
+
+}  // namespace sonoband

@@ -1,0 +1,198 @@
+// The vector code of patches, compiled once for each instruction set and chosen at run time by Highway.
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/reslice/patch_kernels.cpp"
+#define HWY_WANT_AVX3_DL 1  // Ice Lake, Zen 4 and later: byte permutes
+#include <hwy/foreach_target.h>
+// Highway's per-target headers come after foreach_target.h.
+#include <hwy/highway.h>
+
+#include "core/reslice/patch.h"
+#include "core/reslice/patch_plain-inl.h"
+#if HWY_TARGET == HWY_AVX3_DL
+#include "core/reslice/patch_vbmi-inl.h"
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace sonoband {
+namespace HWY_NAMESPACE {
+
+HWY_ATTR void thresholds(const LaneGrid& grid, const PatchFunction& f, LayerThresholds& out) {
+  const Floats d;
+  const hn::Rebind<std::int32_t, Floats> ints;
+  const hn::Rebind<std::uint8_t, Floats> bytes;
+  out.rising = f.per_layer >= 0;
+  // A condition that hardly changes from layer to layer changes beyond the last one.
+  const float steepness = std::max(std::abs(f.per_layer), 1e-20F);
+  const auto inverse = hn::Set(d, (out.rising ? -1.0F : 1.0F) / steepness);
+  const auto first = hn::Set(d, f.first);
+  const auto per_sample = hn::Set(d, f.per_sample), per_row = hn::Set(d, f.per_row);
+  const auto zero = hn::Zero(d), most = hn::Set(d, 255.0F), one = hn::Set(d, 1.0F);
+  auto least = most, greatest = zero;
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
+    const auto along = hn::Mul(per_sample, hn::Load(d, grid.a.data() + k));
+    const auto down = hn::Mul(per_row, hn::Load(d, grid.b.data() + k));
+    const auto crossing = hn::Mul(hn::Add(hn::Add(first, along), down), inverse);
+    // Bounded before rounding: the conversion to integers must not overflow.
+    const auto bounded = hn::Min(hn::Max(crossing, hn::Neg(one)), most);
+    const auto layer = out.rising ? hn::Ceil(bounded) : hn::Add(hn::Floor(bounded), one);
+    const auto clamped = hn::Min(hn::Max(layer, zero), most);
+    least = hn::Min(least, clamped);
+    greatest = hn::Max(greatest, clamped);
+    hn::StoreU(hn::DemoteTo(bytes, hn::ConvertTo(ints, clamped)), bytes, out.layer.data() + k);
+  }
+  out.least = static_cast<int>(hn::GetLane(hn::MinOfLanes(d, least)));
+  out.greatest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(d, greatest)));
+}
+
+// Lane offsets of an affine function.
+HWY_ATTR inline void lane_offsets(const LaneGrid& grid, float per_sample, float per_row, float* offsets) {
+  for (int k = 0; k < patch_lanes; ++k) offsets[k] = per_sample * grid.a[k] + per_row * grid.b[k];
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+HWY_ATTR void between(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first,
+                      int last, LaneMask* masks) {
+  const __m512i t_from = _mm512_load_si512(from.layer.data()), t_to = _mm512_load_si512(to.layer.data());
+  const LaneMask flip_from = from.rising ? 0 : ~LaneMask{0}, flip_to = to.rising ? ~LaneMask{0} : 0;
+  for (int l = first; l < last; ++l) {
+    const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+    const LaneMask after_from = _mm512_cmple_epu8_mask(t_from, layer);
+    const LaneMask after_to = _mm512_cmple_epu8_mask(t_to, layer);
+    masks[l - first] = lanes & (after_from ^ flip_from) & (after_to ^ flip_to);
+  }
+}
+
+HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
+                         LaneMask* masks) {
+  alignas(64) float lane_offset[patch_lanes];
+  lane_offsets(grid, per_sample, per_row, lane_offset);
+  __m512 offset[4];
+  for (int i = 0; i < 4; ++i) offset[i] = _mm512_load_ps(lane_offset + 16 * i);
+  for (int l = 0; l < layers; ++l) {
+    const __m512 least = _mm512_set1_ps(-base[l]);
+    LaneMask m = 0;
+    for (int i = 0; i < 4; ++i) m |= LaneMask{_mm512_cmp_ps_mask(offset[i], least, _CMP_GE_OQ)} << (16 * i);
+    masks[l] = m;
+  }
+}
+
+template <Rule rule>
+HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
+                      int layers, PatchSums& sums) {
+  switch (f.fetch) {
+    case Fetch::rows:
+      return take_permuted<rule, RowsFetch>(f, x, y, masks, layers, sums);
+    case Fetch::window:
+      return take_permuted<rule, WindowFetch>(f, x, y, masks, layers, sums);
+    case Fetch::single:
+      return take_single<rule>(f, x, y, masks, layers, sums);
+  }
+}
+
+#else
+
+HWY_ATTR inline LaneMask not_above(const std::uint8_t* values, std::uint8_t most) {
+  const Bytes d;
+  const auto bound = hn::Set(d, most);
+  LaneMask mask = 0;
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
+    alignas(8) std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Eq(hn::Min(hn::Load(d, values + k), bound), hn::Load(d, values + k)), bits);
+    LaneMask part = 0;
+    for (std::size_t i = 0; i < (hn::Lanes(d) + 7) / 8; ++i) part |= LaneMask{bits[i]} << (8 * i);
+    mask |= part << k;
+  }
+  return mask;
+}
+
+HWY_ATTR void between(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first,
+                      int last, LaneMask* masks) {
+  const LaneMask flip_from = from.rising ? 0 : ~LaneMask{0}, flip_to = to.rising ? ~LaneMask{0} : 0;
+  for (int l = first; l < last; ++l) {
+    const auto layer = static_cast<std::uint8_t>(l);
+    masks[l - first] = lanes & (not_above(from.layer.data(), layer) ^ flip_from) &
+                       (not_above(to.layer.data(), layer) ^ flip_to);
+  }
+}
+
+HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
+                         LaneMask* masks) {
+  alignas(64) float lane_offset[patch_lanes];
+  lane_offsets(grid, per_sample, per_row, lane_offset);
+  const Floats d;
+  for (int l = 0; l < layers; ++l) {
+    const auto least = hn::Set(d, -base[l]);
+    LaneMask mask = 0;
+    for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
+      alignas(8) std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, hn::Ge(hn::LoadU(d, lane_offset + k), least), bits);
+      LaneMask part = 0;
+      for (std::size_t i = 0; i < (hn::Lanes(d) + 7) / 8; ++i) part |= LaneMask{bits[i]} << (8 * i);
+      mask |= part << k;
+    }
+    masks[l] = mask;
+  }
+}
+
+template <Rule rule>
+HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
+                      int layers, PatchSums& sums) {
+  take_single<rule>(f, x, y, masks, layers, sums);
+}
+
+#endif
+
+HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
+                   Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_by<Rule::maximum>(f, x, y, masks, layers, sums);
+    case Rule::minimum:
+      return take_by<Rule::minimum>(f, x, y, masks, layers, sums);
+    case Rule::mean_grey:
+      return take_by<Rule::mean_grey>(f, x, y, masks, layers, sums);
+    case Rule::mean_doppler:
+      return take_by<Rule::mean_doppler>(f, x, y, masks, layers, sums);
+  }
+}
+
+HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
+                     const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
+  for (int l = 0; l < layers; ++l) {
+    if (masks[l] == 0) continue;
+    const auto at_x = static_cast<std::int32_t>(x[l] >> 16), at_y = static_cast<std::int32_t>(y[l] >> 16);
+    LaneMask kept = 0;
+    for (int k = 0; k < patch_lanes; ++k) {
+      const std::int32_t px = (at_x + f.offset_x[k]) >> 16, py = (at_y + f.offset_y[k]) >> 16;
+      const bool in_picture = static_cast<std::uint32_t>(px) < static_cast<std::uint32_t>(f.width) &&
+                              static_cast<std::uint32_t>(py) < static_cast<std::uint32_t>(f.height);
+      const bool in_mask = in_picture && (mask == nullptr || mask[py * mask_stride + px] != 0);
+      kept |= LaneMask{in_mask} << k;
+    }
+    masks[l] &= kept;
+  }
+}
+
+HWY_ATTR const PatchKernels& kernels_of_target() {
+  static constexpr PatchKernels kernels{thresholds, between, half_space, inside, take};
+  return kernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sonoband
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sonoband {
+
+HWY_EXPORT(kernels_of_target);
+
+const PatchKernels& patch_kernels() {
+  return HWY_DYNAMIC_DISPATCH(kernels_of_target)();
+}
+
+}  // namespace sonoband
+#endif

@@ -1,0 +1,96 @@
+// One patch's pixels, gathered from pieces of up to patch_layers layers.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "core/reslice/band.h"
+#include "core/reslice/compound.h"
+#include "core/reslice/patch.h"
+
+namespace sonoband {
+
+inline Rule rule_of(Compounding how, PixelKind kind) {
+  switch (how) {
+    case Compounding::maximum:
+      return Rule::maximum;
+    case Compounding::minimum:
+      return Rule::minimum;
+    case Compounding::mean:
+      break;
+  }
+  return kind == PixelKind::doppler ? Rule::mean_doppler : Rule::mean_grey;
+}
+
+class PatchTotals {
+ public:
+  explicit PatchTotals(Rule rule) : rule_(rule) {}
+
+  void clear() {
+    clear_piece();
+    pieces_ = 0;
+  }
+  // What kernels add to; end_piece() before more than patch_layers layers have gone in.
+  PatchSums& piece() { return piece_; }
+  void end_piece() {
+    if (pieces_++ == 0) {
+      extreme_ = piece_.extreme;
+      for (int k = 0; k < patch_lanes; ++k) {
+        count_[k] = piece_.count[k];
+        means_[k] = mean_of(k);
+      }
+    } else {
+      for (int k = 0; k < patch_lanes; ++k) {
+        extreme_[k] = rule_ == Rule::minimum ? std::min(extreme_[k], piece_.extreme[k])
+                                             : std::max(extreme_[k], piece_.extreme[k]);
+        count_[k] = static_cast<std::uint16_t>(count_[k] + piece_.count[k]);
+        const MeanSums more = mean_of(k);
+        means_[k].grey += more.grey;
+        means_[k].greys += more.greys;
+        means_[k].coloured += more.coloured;
+        means_[k].velocity += more.velocity;
+      }
+    }
+    clear_piece();
+  }
+
+  // Lane 0 is pixel (x, y); lanes beyond the picture are dropped.
+  void store(BandImage& image, int x, int y, LaneShape shape) const {
+    const int width = std::min(shape.across, image.pixels.width() - x);
+    const int height = std::min(shape.down(), image.pixels.height() - y);
+    const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
+    for (int row = 0; row < height; ++row) {
+      std::uint8_t* pixels = image.pixels.view().row(y + row) + x;
+      std::uint16_t* coverage = image.coverage.view().row(y + row) + x;
+      const int lane = row * shape.across;
+      for (int i = 0; i < width; ++i) {
+        coverage[i] = count_[lane + i];
+        const std::uint8_t value = mean ? means_[lane + i].value() : extreme_[lane + i];
+        pixels[i] = coverage[i] != 0 ? value : std::uint8_t{0};
+      }
+    }
+  }
+
+ private:
+  MeanSums mean_of(int k) const {
+    const std::uint32_t coloured = rule_ == Rule::mean_doppler ? piece_.coloured[k] : 0;
+    return {piece_.sum[k], piece_.count[k] - coloured, coloured,
+            rule_ == Rule::mean_doppler ? piece_.velocity[k] : 0};
+  }
+  void clear_piece() {
+    piece_.extreme.fill(rule_ == Rule::minimum ? 255 : 0);
+    piece_.count.fill(0);
+    piece_.coloured.fill(0);
+    piece_.sum.fill(0);
+    piece_.velocity.fill(0);
+  }
+
+  Rule rule_;
+  int pieces_ = 0;
+  PatchSums piece_{};
+  std::array<std::uint8_t, patch_lanes> extreme_{};
+  std::array<std::uint16_t, patch_lanes> count_{};
+  std::array<MeanSums, patch_lanes> means_{};
+};
+
+}  // namespace sonoband

@@ -1,0 +1,160 @@
+#include "core/reslice/winners.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/reslice/ties.h"
+
+namespace sonoband {
+namespace {
+
+// Room for the rounding of 32-bit floats, a hundredth of a micrometre: ties go the written way.
+constexpr double float_tie_mm = 1e-5;
+
+// What an affine function adds from lane 0 to any lane.
+struct LaneSpan {
+  double lowest, highest;
+};
+LaneSpan lane_span(double per_sample, double per_row, LaneShape shape) {
+  const double along = per_sample * (shape.across - 1), down = per_row * (shape.down() - 1);
+  return {std::min(along, 0.0) + std::min(down, 0.0), std::max(along, 0.0) + std::max(down, 0.0)};
+}
+
+// A function over the layers of a contest: its lanes where it is >= a limit, and its sign where it has only
+// one.
+struct Side {
+  std::array<double, patch_layers> base;
+  double per_sample = 0, per_row = 0;
+  int sign = 0;
+
+  void settle(int layers, LaneShape shape) {
+    const auto [low, high] = std::minmax_element(base.begin(), base.begin() + layers);
+    const LaneSpan lanes = lane_span(per_sample, per_row, shape);
+    sign = *low + lanes.lowest > float_tie_mm ? 1 : *high + lanes.highest < -float_tie_mm ? -1 : 0;
+  }
+  // masks[l] = lanes with value >= limit
+  void at_least(double limit, int layers, const LaneGrid& grid, LaneMask* masks) const {
+    std::array<float, patch_layers> above;
+    for (int l = 0; l < layers; ++l) above[l] = static_cast<float>(base[l] - limit);
+    patch_kernels().half_space(grid, above.data(), static_cast<float>(per_sample),
+                               static_cast<float>(per_row), layers, masks);
+  }
+};
+
+}  // namespace
+
+void values_at(const PatchPlace& place, const AffineScalar& f, double* values) {
+  const double gx = f.gradient.x(), gy = f.gradient.y(), gz = f.gradient.z();
+  for (int l = 0; l < place.layers; ++l)
+    values[l] = gx * place.x[l] + gy * place.y[l] + gz * place.z[l] + f.offset;
+}
+
+void Winners::find(const FrameTable& table, std::span<const Candidate> candidates,
+                   std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid) {
+  if (shares_.size() < candidates.size()) shares_.resize(candidates.size());
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    support(table, candidates[c], *frames[c], place, grid, shares_[c]);
+  for (std::size_t later = 1; later < candidates.size(); ++later)
+    for (std::size_t earlier = 0; earlier < later; ++earlier)
+      contest(shares_[earlier], shares_[later], place, grid);
+}
+
+void Winners::support(const FrameTable& table, const Candidate& candidate, const PatchFrame& frame,
+                      const PatchPlace& place, const LaneGrid& grid, Share& share) {
+  const FrameEntry& f = table.frames[candidate.frame];
+  const AffineScalar z = oriented_z(f);
+  values_at(place, z, share.z.data());
+  share.z_per_sample = z.gradient.dot(place.sample_step);
+  share.z_per_row = z.gradient.dot(place.row_step);
+  const LaneSpan lanes = lane_span(share.z_per_sample, share.z_per_row, place.shape);
+  const double reach = f.gap_mm + tie_mm;
+  const auto near = [&](int l) {
+    return share.z[l] + lanes.lowest <= reach && share.z[l] + lanes.highest >= -reach;
+  };
+  share.first = 0;
+  share.last = place.layers;
+  while (share.first < share.last && !near(share.first)) ++share.first;
+  while (share.last > share.first && !near(share.last - 1)) --share.last;
+  const int layers = share.last - share.first;
+  if (layers == 0) return;
+
+  std::array<double, patch_layers> foot;
+  values_at(place, f.x_px, foot.data());
+  for (int l = share.first; l < share.last; ++l) share.x[l] = fixed_position(foot[l]);
+  values_at(place, f.y_px, foot.data());
+  for (int l = share.first; l < share.last; ++l) share.y[l] = fixed_position(foot[l]);
+
+  LaneMask* support = share.support.data() + share.first;
+  std::copy_n(place.lanes.data() + share.first, layers, support);
+  // |z| <= d, as two half spaces; `far` are those beyond.
+  Side side;
+  side.per_sample = share.z_per_sample;
+  side.per_row = share.z_per_row;
+  std::copy_n(share.z.data() + share.first, layers, side.base.data());
+  const auto [low, high] = std::minmax_element(side.base.begin(), side.base.begin() + layers);
+  std::array<LaneMask, patch_layers> masks;
+  if (*high + lanes.highest > reach) {
+    side.at_least(reach + float_tie_mm, layers, grid, masks.data());
+    for (int l = 0; l < layers; ++l) support[l] &= ~masks[l];
+  }
+  if (*low + lanes.lowest < -reach) {
+    side.at_least(-reach - float_tie_mm, layers, grid, masks.data());
+    for (int l = 0; l < layers; ++l) support[l] &= masks[l];
+  }
+  if (!candidate.full) {
+    patch_kernels().inside(frame, candidate.borders_mask ? table.mask.data : nullptr, table.mask.stride,
+                           share.x.data() + share.first, share.y.data() + share.first, layers, support);
+  }
+  std::copy_n(support, layers, share.wins.data() + share.first);
+}
+
+void Winners::contest(Share& earlier, Share& later, const PatchPlace& place, const LaneGrid& grid) {
+  const int first = std::max(earlier.first, later.first), last = std::min(earlier.last, later.last);
+  const int layers = last - first;
+  if (layers <= 0) return;
+  Side sum, difference;
+  for (int l = 0; l < layers; ++l) {
+    sum.base[l] = earlier.z[first + l] + later.z[first + l];
+    difference.base[l] = earlier.z[first + l] - later.z[first + l];
+  }
+  sum.per_sample = earlier.z_per_sample + later.z_per_sample;
+  sum.per_row = earlier.z_per_row + later.z_per_row;
+  difference.per_sample = earlier.z_per_sample - later.z_per_sample;
+  difference.per_row = earlier.z_per_row - later.z_per_row;
+  sum.settle(layers, place.shape);
+  difference.settle(layers, place.shape);
+
+  // Where the earlier frame is nearer by more than a tie.
+  std::array<LaneMask, patch_layers> nearer;
+  const auto below = [&](const Side& side, LaneMask* masks) {  // value < -tie
+    side.at_least(-float_tie_mm, layers, grid, masks);
+    for (int l = 0; l < layers; ++l) masks[l] = ~masks[l];
+  };
+  const auto above = [&](const Side& side, LaneMask* masks) {
+    side.at_least(float_tie_mm, layers, grid, masks);
+  };
+  if (sum.sign != 0 && difference.sign != 0) {
+    nearer.fill(sum.sign != difference.sign ? ~LaneMask{0} : 0);
+  } else if (sum.sign != 0 || difference.sign != 0) {
+    const Side& changing = sum.sign != 0 ? difference : sum;
+    if (sum.sign + difference.sign > 0) {
+      below(changing, nearer.data());
+    } else {
+      above(changing, nearer.data());
+    }
+  } else {
+    std::array<LaneMask, patch_layers> sum_above, sum_below, difference_above, difference_below;
+    above(sum, sum_above.data());
+    below(sum, sum_below.data());
+    above(difference, difference_above.data());
+    below(difference, difference_below.data());
+    for (int l = 0; l < layers; ++l)
+      nearer[l] = (sum_above[l] & difference_below[l]) | (sum_below[l] & difference_above[l]);
+  }
+  for (int l = 0; l < layers; ++l) {
+    earlier.wins[first + l] &= nearer[l] | ~later.support[first + l];
+    later.wins[first + l] &= ~nearer[l] | ~earlier.support[first + l];
+  }
+}
+
+}  // namespace sonoband
