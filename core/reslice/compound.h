@@ -15,6 +15,19 @@ constexpr std::uint8_t rounded_mean(std::uint32_t sum, std::uint32_t count) {
   return static_cast<std::uint8_t>((2 * sum + count) / (2 * count));
 }
 
+// 1 / (2 count) for rounded means without dividing: exact for counts of a byte and sums of so many bytes.
+struct MeanInverses {
+  std::uint64_t inverse[256];
+  constexpr MeanInverses() : inverse() {
+    for (std::uint64_t count = 1; count < 256; ++count)
+      inverse[count] = ((std::uint64_t{1} << 40) + 2 * count - 1) / (2 * count);
+  }
+  constexpr std::uint8_t mean(std::uint32_t sum, std::uint8_t count) const {
+    return static_cast<std::uint8_t>(((2 * sum + count) * inverse[count]) >> 40);
+  }
+};
+inline constexpr MeanInverses mean_inverses;
+
 // Halves away from zero.
 constexpr int rounded_signed_mean(int sum, int count) {
   return sum >= 0 ? (2 * sum + count) / (2 * count) : -((-2 * sum + count) / (2 * count));

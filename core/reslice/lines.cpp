@@ -214,9 +214,14 @@ BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const R
   const FrameTable table = make_frame_table(sweep, settings.gap);
   BandImage image = empty_image(bundle.samples, bundle.rows, table.kind);
   if (bundle.samples <= 0 || bundle.rows <= 0) return image;
-  if (settings.interpolation == Interpolation::linear) {
+  const std::optional<Lattice> lattice = lattice_of(bundle);
+  const double mm_per_sample = bundle.step.v.norm(), mm_per_row = lattice ? lattice->per_row.norm() : 0;
+  const bool hold = std::all_of(table.frames.begin(), table.frames.end(), [&](const FrameEntry& f) {
+    return patches_hold(f, mm_per_sample, mm_per_row);
+  });
+  if (settings.interpolation == Interpolation::linear || !hold) {
     paint_plainly(table, bundle, settings, parallel, image);
-  } else if (const std::optional<Lattice> lattice = lattice_of(bundle)) {
+  } else if (lattice) {
     paint_lattice(table, *lattice, settings, parallel, image);
   } else {
     paint_curved(table, bundle, settings, parallel, image);

@@ -18,6 +18,7 @@ FixedPx fixed(double px) {
 }
 
 LaneMask existing_lanes(LaneShape shape, int width, int height) {
+  if (width >= shape.across && height >= shape.down()) return ~LaneMask{0};
   LaneMask lanes = 0;
   for (int k = 0; k < patch_lanes; ++k)
     if (k % shape.across < width && k / shape.across < height) lanes |= LaneMask{1} << k;
@@ -49,6 +50,7 @@ LaneShape NearestPainter::choose_shape(const Lattice& lattice) const {
   const double za = per(f.z_mm, lattice.per_sample), zb = per(f.z_mm, lattice.per_row);
   const double xl = per(f.x_px, lattice.per_layer), yl = per(f.y_px, lattice.per_layer);
   const double spacing = std::max(2 * f.gap_mm, 1e-3);
+  const double frames_per_layer = per(f.z_mm, lattice.per_layer) / spacing;
   LaneShape best;
   double least = 1e30;
   for (int across = patch_lanes; across >= 1; across /= 2) {
@@ -59,7 +61,7 @@ LaneShape NearestPainter::choose_shape(const Lattice& lattice) const {
     double cost = 150;
     if (columns < 125 && rows < 24) cost = 12 + 5 * (rows + 1);
     if (columns < 13.5 && rows < 13.5) {
-      const double reloads = std::max(xl / (14.5 - columns), yl / (14.5 - rows));
+      const double reloads = std::max({xl / (14.5 - columns), yl / (14.5 - rows), frames_per_layer});
       cost = std::min(cost, 22 + 30 * std::min(1.0, reloads));
     }
     cost *= 1 + (za * w + zb * h) / spacing;
@@ -79,7 +81,7 @@ void NearestPainter::make_tile_frames(const Lattice& lattice, int a, int b, Lane
     TileFrame& t = tile_frames_[c];
     const FootSteps steps{f.x_px.gradient.dot(lattice.per_sample), f.x_px.gradient.dot(lattice.per_row),
                           f.y_px.gradient.dot(lattice.per_sample), f.y_px.gradient.dot(lattice.per_row)};
-    t.usable = make_patch_frame(f, steps, shape, t.patch);
+    make_patch_frame(f, steps, shape, t.patch);
     t.x = fixed_position(f.x_px.at(origin));
     t.y = fixed_position(f.y_px.at(origin));
     t.x_per_sample = fixed(steps.x_per_sample);
@@ -278,12 +280,11 @@ void NearestPainter::paint_tile(const Lattice& lattice, const std::vector<int>& 
       totals_.clear();
       if (chained) {
         paint_chain(chain, chain.members, da, db, 0, lattice.layers, existing_lanes(shape, width, height));
-        totals_.end_piece();
       } else {
         for (int l = 0; l < lattice.layers; l += patch_layers) {
+          if (l > 0) totals_.next_piece();
           paint_patch(lattice, {a + da, b + db, l, width, height, std::min(patch_layers, lattice.layers - l)},
                       a, b, shape);
-          totals_.end_piece();
         }
       }
       totals_.store(image_, a + da, b + db, shape);
@@ -323,6 +324,7 @@ void NearestPainter::paint_lines(const LineBundle& bundle, const std::vector<int
     }
     totals_.clear();
     for (int l = 0; l < bundle.layers; l += patch_layers) {
+      if (l > 0) totals_.next_piece();
       place_.layers = std::min(patch_layers, bundle.layers - l);
       for (int i = 0; i < place_.layers; ++i) {
         const std::size_t line = static_cast<std::size_t>(row) * bundle.layers + l + i;
@@ -336,7 +338,6 @@ void NearestPainter::paint_lines(const LineBundle& bundle, const std::vector<int
         place_.lanes[i] = present ? lanes : 0;
       }
       paint_general(candidates, patch_frames, place_);
-      totals_.end_piece();
     }
     totals_.store(image_, a, row, shape);
   }

@@ -26,7 +26,6 @@ class NearestPainter {
   // A candidate of the tile as its patches see it: positions are affine in sample, row and layer.
   struct TileFrame {
     PatchFrame patch;
-    bool usable = false;
     FixedPx x = 0, x_per_sample = 0, x_per_row = 0,
             x_per_layer = 0;  // at sample 0, row 0, layer 0 of the tile
     FixedPx y = 0, y_per_sample = 0, y_per_row = 0, y_per_layer = 0;

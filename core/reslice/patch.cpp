@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sonoband {
 namespace {
@@ -25,44 +26,52 @@ FixedPx fixed_position(double foot_px) {
   return std::llround((foot_px + 0.5 + 1.0 / 32768) * fixed_per_px);
 }
 
-bool make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out) {
-  const auto offset = [&](double per_sample, double per_row, int k) {
-    return per_sample * (k % shape.across) + per_row * (k / shape.across);
-  };
-  const int right = shape.across - 1, down = shape.down() - 1;
-  if (std::abs(steps.x_per_sample) * right + std::abs(steps.x_per_row) * down > most_px ||
-      std::abs(steps.y_per_sample) * right + std::abs(steps.y_per_row) * down > most_px ||
-      frame.width > most_px || frame.height > most_px) {
-    return false;
-  }
+bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row) {
+  const double px = (mm_per_sample + mm_per_row) * (patch_lanes - 1);
+  return frame.width <= most_px && frame.height <= most_px && frame.x_px.gradient.norm() * px <= most_px &&
+         frame.y_px.gradient.norm() * px <= most_px;
+}
+
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out) {
   out.pixels = frame.pixels;
   out.stride = frame.stride;
   out.width = frame.width;
   out.height = frame.height;
-  int greatest_column = -(1 << 20), greatest_row = greatest_column;
-  out.least_column = out.least_row = 1 << 20;
-  out.least_y = 1 << 30;
-  out.greatest_y = -(1 << 30);
+  const auto fixed = [](double px) { return std::llround(px * fixed_per_px); };
+  const FixedPx x_a = fixed(steps.x_per_sample), x_b = fixed(steps.x_per_row);
+  const FixedPx y_a = fixed(steps.y_per_sample), y_b = fixed(steps.y_per_row);
+  for (int b = 0, k = 0; b < shape.down(); ++b) {
+    for (int a = 0; a < shape.across; ++a, ++k) {
+      out.offset_x[k] = static_cast<std::int32_t>((a * x_a + b * x_b) >> 16);
+      out.offset_y[k] = static_cast<std::int32_t>((a * y_a + b * y_b) >> 16);
+    }
+  }
+  // An affine function has its extremes at the corners.
+  const int corners[4] = {0, shape.across - 1, patch_lanes - shape.across, patch_lanes - 1};
+  const auto extremes = [&](const auto& offsets) {
+    auto [least, greatest] = std::pair(offsets[0], offsets[0]);
+    for (const int k : corners) {
+      least = std::min(least, offsets[k]);
+      greatest = std::max(greatest, offsets[k]);
+    }
+    return std::pair(least, greatest);
+  };
+  const auto [least_x, greatest_x] = extremes(out.offset_x);
+  const auto [least_y, greatest_y] = extremes(out.offset_y);
+  out.least_y = least_y;
+  out.greatest_y = greatest_y;
+  out.least_column = least_x >> 16;
+  out.least_row = least_y >> 16;
+  out.columns = (greatest_x >> 16) - out.least_column;
+  out.rows = (greatest_y >> 16) - out.least_row;
   for (int k = 0; k < patch_lanes; ++k) {
-    out.offset_x[k] =
-        static_cast<std::int32_t>(std::floor(65536 * offset(steps.x_per_sample, steps.x_per_row, k)));
-    out.offset_y[k] =
-        static_cast<std::int32_t>(std::floor(65536 * offset(steps.y_per_sample, steps.y_per_row, k)));
-    out.part_x[k] = static_cast<std::uint16_t>(out.offset_x[k] & 0xffff);
-    out.part_y[k] = static_cast<std::uint16_t>(out.offset_y[k] & 0xffff);
-    out.least_column = std::min(out.least_column, out.offset_x[k] >> 16);
-    out.least_row = std::min(out.least_row, out.offset_y[k] >> 16);
-    greatest_column = std::max(greatest_column, out.offset_x[k] >> 16);
-    greatest_row = std::max(greatest_row, out.offset_y[k] >> 16);
-    out.least_y = std::min(out.least_y, out.offset_y[k]);
-    out.greatest_y = std::max(out.greatest_y, out.offset_y[k]);
+    out.part_x[k] = static_cast<std::uint16_t>(out.offset_x[k]);
+    out.part_y[k] = static_cast<std::uint16_t>(out.offset_y[k]);
   }
   for (int k = 0; k < patch_lanes; ++k) {
     out.column[k] = static_cast<std::uint8_t>((out.offset_x[k] >> 16) - out.least_column);
     out.row[k] = static_cast<std::uint8_t>((out.offset_y[k] >> 16) - out.least_row);
   }
-  out.columns = greatest_column - out.least_column;
-  out.rows = greatest_row - out.least_row;
   // A carry adds one column and one row to what the lanes span.
   const bool fits_rows = out.columns + 1 < 128 && out.rows + 1 < 128;
   const bool fits_window =
@@ -72,7 +81,6 @@ bool make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape
   } else {
     out.fetch = fits_window ? Fetch::window : Fetch::single;
   }
-  return true;
 }
 
 }  // namespace sonoband

@@ -111,8 +111,11 @@ struct FootSteps {
   double x_per_sample = 0, x_per_row = 0, y_per_sample = 0, y_per_row = 0;
 };
 
-// Empty where lanes would lie farther apart than the tables hold (8000 pixels).
-bool make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out);
+// Patches of any shape keep positions of the frame within 8000 pixels of one another, as the tables need.
+bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row);
+
+// Precondition: patches_hold.
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out);
 
 // The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
 // numbers never fall below a boundary they are on.

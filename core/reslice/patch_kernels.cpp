@@ -161,6 +161,21 @@ HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, cons
 
 HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
                      const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
+#if HWY_TARGET == HWY_AVX3_DL
+  if (f.fetch != Fetch::single) {
+    PatchFrame of_mask = f;
+    if (mask != nullptr) {
+      of_mask.pixels = mask;
+      of_mask.stride = mask_stride;
+    }
+    if (f.fetch == Fetch::rows) {
+      inside_permuted<RowsFetch>(of_mask, mask, x, y, layers, masks);
+    } else {
+      inside_permuted<WindowFetch>(of_mask, mask, x, y, layers, masks);
+    }
+    return;
+  }
+#endif
   for (int l = 0; l < layers; ++l) {
     if (masks[l] == 0) continue;
     const auto at_x = static_cast<std::int32_t>(x[l] >> 16), at_y = static_cast<std::int32_t>(y[l] >> 16);

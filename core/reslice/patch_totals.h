@@ -30,48 +30,62 @@ class PatchTotals {
     clear_piece();
     pieces_ = 0;
   }
-  // What kernels add to; end_piece() before more than patch_layers layers have gone in.
+  // What kernels add to; next_piece() before more than patch_layers layers have gone in.
   PatchSums& piece() { return piece_; }
-  void end_piece() {
-    if (pieces_++ == 0) {
-      extreme_ = piece_.extreme;
-      for (int k = 0; k < patch_lanes; ++k) {
-        count_[k] = piece_.count[k];
-        means_[k] = mean_of(k);
-      }
-    } else {
-      for (int k = 0; k < patch_lanes; ++k) {
-        extreme_[k] = rule_ == Rule::minimum ? std::min(extreme_[k], piece_.extreme[k])
-                                             : std::max(extreme_[k], piece_.extreme[k]);
-        count_[k] = static_cast<std::uint16_t>(count_[k] + piece_.count[k]);
-        const MeanSums more = mean_of(k);
-        means_[k].grey += more.grey;
-        means_[k].greys += more.greys;
-        means_[k].coloured += more.coloured;
-        means_[k].velocity += more.velocity;
-      }
-    }
+  void next_piece() {
+    gather();
     clear_piece();
   }
 
   // Lane 0 is pixel (x, y); lanes beyond the picture are dropped.
-  void store(BandImage& image, int x, int y, LaneShape shape) const {
+  void store(BandImage& image, int x, int y, LaneShape shape) {
+    std::array<std::uint8_t, patch_lanes> values;
+    std::array<std::uint16_t, patch_lanes> counts;
+    const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
+    if (pieces_ == 0) {
+      for (int k = 0; k < patch_lanes; ++k) counts[k] = piece_.count[k];
+      if (!mean) values = piece_.extreme;
+      for (int k = 0; mean && k < patch_lanes; ++k) {
+        values[k] = rule_ == Rule::mean_grey || piece_.coloured[k] == 0
+                        ? mean_inverses.mean(piece_.sum[k], piece_.count[k])
+                        : mean_of(k).value();
+      }
+    } else {
+      gather();
+      counts = count_;
+      for (int k = 0; k < patch_lanes; ++k) values[k] = mean ? means_[k].value() : extreme_[k];
+    }
+    if (rule_ == Rule::minimum) {
+      for (int k = 0; k < patch_lanes; ++k) values[k] = counts[k] != 0 ? values[k] : std::uint8_t{0};
+    }
     const int width = std::min(shape.across, image.pixels.width() - x);
     const int height = std::min(shape.down(), image.pixels.height() - y);
-    const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
     for (int row = 0; row < height; ++row) {
-      std::uint8_t* pixels = image.pixels.view().row(y + row) + x;
-      std::uint16_t* coverage = image.coverage.view().row(y + row) + x;
-      const int lane = row * shape.across;
-      for (int i = 0; i < width; ++i) {
-        coverage[i] = count_[lane + i];
-        const std::uint8_t value = mean ? means_[lane + i].value() : extreme_[lane + i];
-        pixels[i] = coverage[i] != 0 ? value : std::uint8_t{0};
-      }
+      std::copy_n(values.data() + row * shape.across, width, image.pixels.view().row(y + row) + x);
+      std::copy_n(counts.data() + row * shape.across, width, image.coverage.view().row(y + row) + x);
     }
   }
 
  private:
+  void gather() {
+    for (int k = 0; k < patch_lanes; ++k) {
+      const MeanSums more = mean_of(k);
+      if (pieces_ == 0) {
+        extreme_[k] = piece_.extreme[k];
+        count_[k] = piece_.count[k];
+        means_[k] = more;
+        continue;
+      }
+      extreme_[k] = rule_ == Rule::minimum ? std::min(extreme_[k], piece_.extreme[k])
+                                           : std::max(extreme_[k], piece_.extreme[k]);
+      count_[k] = static_cast<std::uint16_t>(count_[k] + piece_.count[k]);
+      means_[k].grey += more.grey;
+      means_[k].greys += more.greys;
+      means_[k].coloured += more.coloured;
+      means_[k].velocity += more.velocity;
+    }
+    ++pieces_;
+  }
   MeanSums mean_of(int k) const {
     const std::uint32_t coloured = rule_ == Rule::mean_doppler ? piece_.coloured[k] : 0;
     return {piece_.sum[k], piece_.count[k] - coloured, coloured,

@@ -30,7 +30,7 @@ struct Carries {
   __m512i low, high;
   HWY_ATTR explicit Carries(const std::uint16_t* parts)
       : low(_mm512_load_si512(parts)), high(_mm512_load_si512(parts + 32)) {}
-  HWY_ATTR __mmask64 at(FixedPx position) const {
+  HWY_ATTR HWY_INLINE __mmask64 at(FixedPx position) const {
     const __m512i most = _mm512_set1_epi16(static_cast<short>(~(position >> 16)));
     const __mmask32 l = _mm512_cmpgt_epu16_mask(low, most), h = _mm512_cmpgt_epu16_mask(high, most);
     return _mm512_kunpackd(h, l);
@@ -45,47 +45,83 @@ inline int whole(FixedPx position) {
 class RowsFetch {
  public:
   HWY_ATTR RowsFetch(const PatchFrame& f, const FixedPx*, const FixedPx*, int)
-      : f_(f),
+      : pixels_(f.pixels),
+        stride_(f.stride),
+        width_(f.width),
+        height_(f.height),
+        least_column_(f.least_column),
+        least_row_(f.least_row),
+        least_y_(f.least_y),
+        greatest_y_(f.greatest_y),
+        reach_(f.columns + 1 < 80 ? 80 : 128),
         carries_x_(f.part_x.data()),
         carries_y_(f.part_y.data()),
         column_(_mm512_load_si512(f.column.data())),
         row_(_mm512_load_si512(f.row.data())) {}
 
-  HWY_ATTR __m512i at(FixedPx x, FixedPx y) const {
-    const int left = whole(x) + f_.least_column;
-    const int base = whole(y) + f_.least_row;
+  HWY_ATTR HWY_INLINE __m512i at(FixedPx x, FixedPx y) const {
+    const int left = whole(x) + least_column_;
+    const int base = whole(y) + least_row_;
     const auto y16 = static_cast<std::int32_t>(y >> 16);
-    const int top = (y16 + f_.least_y) >> 16, bottom = (y16 + f_.greatest_y) >> 16;
+    const int top = (y16 + least_y_) >> 16, bottom = (y16 + greatest_y_) >> 16;
     const __m512i one = _mm512_set1_epi8(1);
     const __m512i index = _mm512_mask_add_epi8(column_, carries_x_.at(x), column_, one);
-    if (top == bottom) return top >= 0 && top < f_.height ? permuted(top, left, index) : column_;
+    const bool clear_of_edges = left >= 0 && left + reach_ <= width_ && top >= 0 && bottom < height_;
+    if (!clear_of_edges) return at_edge(left, base, top, bottom, index, y);
+    const std::uint8_t* from = pixels_ + top * stride_ + left;
+    __m512i values = permuted(from, index);
+    if (top == bottom) return values;
     const __m512i row = _mm512_mask_add_epi8(row_, carries_y_.at(y), row_, one);
-    __m512i values = column_;
-    for (int r = std::max(top, 0); r <= std::min(bottom, f_.height - 1); ++r) {
+    for (int r = top + 1; r <= bottom; ++r) {
+      from += stride_;
       const __mmask64 here = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - base)));
-      values = _mm512_mask_mov_epi8(values, here, permuted(r, left, index));
+      values = _mm512_mask_mov_epi8(values, here, permuted(from, index));
     }
     return values;
   }
 
+  // Asks for the pixels of a layer to come.
+  HWY_ATTR HWY_INLINE void prefetch(FixedPx x, FixedPx y) const {
+    const std::uint8_t* from = pixels_ + (whole(y) + least_row_) * stride_ + whole(x) + least_column_;
+    _mm_prefetch(reinterpret_cast<const char*>(from), _MM_HINT_T0);
+    _mm_prefetch(reinterpret_cast<const char*>(from + 64), _MM_HINT_T0);
+  }
+
  private:
-  HWY_ATTR __m512i permuted(int row, int left, __m512i index) const {
-    const std::uint8_t* from = f_.pixels + row * f_.stride + left;
-    if (left >= 0 && left + 128 <= f_.width) {
-      return _mm512_permutex2var_epi8(_mm512_loadu_si512(from), index, _mm512_loadu_si512(from + 64));
-    }
+  HWY_ATTR HWY_INLINE __m512i permuted(const std::uint8_t* from, __m512i index) const {
+    // Lanes rarely span more than a few pixels beyond 64: that saves a cache line.
+    const __m512i high =
+        reach_ == 80 ? _mm512_castsi128_si512(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from + 64)))
+                     : _mm512_loadu_si512(from + 64);
+    return _mm512_permutex2var_epi8(_mm512_loadu_si512(from), index, high);
+  }
+
+  HWY_ATTR HWY_NOINLINE __m512i at_edge(int left, int base, int top, int bottom, __m512i index,
+                                        FixedPx y) const {
+    const __m512i row = _mm512_mask_add_epi8(row_, carries_y_.at(y), row_, _mm512_set1_epi8(1));
     const __mmask64 low = in_picture(left), high = in_picture(left + 64);
-    return _mm512_permutex2var_epi8(_mm512_maskz_loadu_epi8(low, from), index,
-                                    _mm512_maskz_loadu_epi8(high, from + 64));
+    __m512i values = _mm512_setzero_si512();
+    for (int r = std::max(top, 0); r <= std::min(bottom, height_ - 1); ++r) {
+      const std::uint8_t* from = pixels_ + r * stride_ + left;
+      const __mmask64 here = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - base)));
+      values = _mm512_mask_mov_epi8(values, here,
+                                    _mm512_permutex2var_epi8(_mm512_maskz_loadu_epi8(low, from), index,
+                                                             _mm512_maskz_loadu_epi8(high, from + 64)));
+    }
+    return values;
   }
   // Of 64 columns from `left`, those of the picture.
   HWY_ATTR __mmask64 in_picture(int left) const {
-    const int skip = std::clamp(-left, 0, 64), take = std::clamp(f_.width - left, 0, 64);
+    const int skip = std::clamp(-left, 0, 64), take = std::clamp(width_ - left, 0, 64);
     if (take <= skip) return 0;
     return (~LaneMask{0} >> (64 - (take - skip))) << skip;
   }
 
-  const PatchFrame& f_;
+  const std::uint8_t* pixels_;
+  std::ptrdiff_t stride_;
+  int width_, height_, least_column_, least_row_;
+  std::int32_t least_y_, greatest_y_;
+  int reach_;  // columns loaded
   Carries carries_x_, carries_y_;
   __m512i column_, row_;
 };
@@ -94,7 +130,14 @@ class RowsFetch {
 class WindowFetch {
  public:
   HWY_ATTR WindowFetch(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers)
-      : f_(f),
+      : pixels_(f.pixels),
+        stride_(f.stride),
+        width_(f.width),
+        height_(f.height),
+        least_column_(f.least_column),
+        least_row_(f.least_row),
+        room_x_(static_cast<unsigned>(14 - f.columns)),
+        room_y_(static_cast<unsigned>(14 - f.rows)),
         carries_x_(f.part_x.data()),
         carries_y_(f.part_y.data()),
         index_(_mm512_or_si512(_mm512_load_si512(f.column.data()),
@@ -104,14 +147,11 @@ class WindowFetch {
     for (__m512i& w : window_) w = _mm512_setzero_si512();
   }
 
-  HWY_ATTR __m512i at(FixedPx x, FixedPx y) {
-    const int left = whole(x) + f_.least_column, top = whole(y) + f_.least_row;
-    const int first_x = std::max(left, 0), last_x = std::min(left + f_.columns + 1, f_.width - 1);
-    const int first_y = std::max(top, 0), last_y = std::min(top + f_.rows + 1, f_.height - 1);
-    if (first_x < left_ || last_x > left_ + 15 || first_y < top_ || last_y > top_ + 15) {
-      left_ = std::clamp(forward_x_ ? first_x : last_x - 15, 0, f_.width - 16);
-      top_ = std::clamp(forward_y_ ? first_y : last_y - 15, 0, f_.height - 16);
-      load();
+  HWY_ATTR HWY_INLINE __m512i at(FixedPx x, FixedPx y) {
+    const int left = whole(x) + least_column_, top = whole(y) + least_row_;
+    // One comparison for each axis: by how far the lanes start within the window.
+    if (static_cast<unsigned>(left - left_) > room_x_ || static_cast<unsigned>(top - top_) > room_y_) {
+      move(left, top);
     }
     __m512i index =
         _mm512_add_epi8(index_, _mm512_set1_epi8(static_cast<char>(left - left_ + 16 * (top - top_))));
@@ -122,21 +162,33 @@ class WindowFetch {
     return _mm512_mask_mov_epi8(upper, _mm512_movepi8_mask(index), lower);
   }
 
+  HWY_ATTR HWY_INLINE void prefetch(FixedPx, FixedPx) const {}
+
  private:
-  HWY_ATTR void load() {
-    for (int i = 0; i < 4; ++i) {
-      const std::uint8_t* row = f_.pixels + (top_ + 4 * i) * f_.stride + left_;
-      const auto sixteen = [&](int r) HWY_ATTR {
-        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row + r * f_.stride));
-      };
-      __m512i w = _mm512_castsi128_si512(sixteen(0));
-      w = _mm512_mask_broadcast_i32x4(w, 0x00f0, sixteen(1));
-      w = _mm512_mask_broadcast_i32x4(w, 0x0f00, sixteen(2));
-      window_[i] = _mm512_mask_broadcast_i32x4(w, 0xf000, sixteen(3));
+  // Puts the window where the lanes are and will be, within the picture. Lanes beyond it stay beyond it.
+  HWY_ATTR HWY_INLINE void move(int left, int top) {
+    const int x = std::clamp(forward_x_ ? left : left - static_cast<int>(room_x_), 0, width_ - 16);
+    const int y = std::clamp(forward_y_ ? top : top - static_cast<int>(room_y_), 0, height_ - 16);
+    if (x == left_ && y == top_) return;
+    left_ = x;
+    top_ = y;
+    const std::uint8_t* row = pixels_ + top_ * stride_ + left_;
+    for (__m512i& w : window_) {
+      w = _mm512_castsi128_si512(sixteen(row));
+      w = _mm512_mask_broadcast_i32x4(w, 0x00f0, sixteen(row + stride_));
+      w = _mm512_mask_broadcast_i32x4(w, 0x0f00, sixteen(row + 2 * stride_));
+      w = _mm512_mask_broadcast_i32x4(w, 0xf000, sixteen(row + 3 * stride_));
+      row += 4 * stride_;
     }
   }
+  HWY_ATTR static HWY_INLINE __m128i sixteen(const std::uint8_t* from) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+  }
 
-  const PatchFrame& f_;
+  const std::uint8_t* pixels_;
+  std::ptrdiff_t stride_;
+  int width_, height_, least_column_, least_row_;
+  unsigned room_x_, room_y_;  // by which the lanes may move within the window
   Carries carries_x_, carries_y_;
   __m512i index_;
   __m512i window_[4];
@@ -173,9 +225,40 @@ struct VelocityTable {
 };
 inline constexpr VelocityTable velocity_table;
 
+// Of lanes whose whole part is in 0 .. 127 from `first`, those within 0 <= pixel < size.
+HWY_ATTR HWY_INLINE __mmask64 within(__m512i whole_part, int first, int size) {
+  const int least = std::max(-first, 0), most = std::min(size - 1 - first, 127);
+  if (least > most) return 0;
+  const __m512i from_least = _mm512_sub_epi8(whole_part, _mm512_set1_epi8(static_cast<char>(least)));
+  return _mm512_cmple_epu8_mask(from_least, _mm512_set1_epi8(static_cast<char>(most - least)));
+}
+
+template <class FetchLanes>
+HWY_ATTR void inside_permuted(const PatchFrame& f, const std::uint8_t* mask, const FixedPx* x,
+                              const FixedPx* y, int layers, LaneMask* masks) {
+  FetchLanes fetch(f, x, y, layers);
+  const Carries carries_x(f.part_x.data()), carries_y(f.part_y.data());
+  const __m512i column = _mm512_load_si512(f.column.data()), row = _mm512_load_si512(f.row.data());
+  const __m512i one = _mm512_set1_epi8(1);
+  for (int l = 0; l < layers; ++l) {
+    if (masks[l] == 0) continue;
+    const __m512i at_x = _mm512_mask_add_epi8(column, carries_x.at(x[l]), column, one);
+    const __m512i at_y = _mm512_mask_add_epi8(row, carries_y.at(y[l]), row, one);
+    LaneMask kept = masks[l];
+    kept &= within(at_x, whole(x[l]) + f.least_column, f.width);
+    kept &= within(at_y, whole(y[l]) + f.least_row, f.height);
+    if (mask != nullptr && kept != 0) {
+      const __m512i v = fetch.at(x[l], y[l]);
+      kept &= _mm512_test_epi8_mask(v, v);
+    }
+    masks[l] = kept;
+  }
+}
+
 template <Rule rule, class FetchLanes>
 HWY_ATTR void take_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
                             int layers, PatchSums& sums) {
+  constexpr int ahead = 12;  // layers: the time memory takes
   FetchLanes fetch(f, x, y, layers);
   const __m512i one = _mm512_set1_epi8(1);
   __m512i count = _mm512_load_si512(sums.count.data());
@@ -184,6 +267,7 @@ HWY_ATTR void take_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx
     for (int l = 0; l < layers; ++l) {
       const __mmask64 m = masks[l];
       if (m == 0) continue;
+      if (l + ahead < layers) fetch.prefetch(x[l + ahead], y[l + ahead]);
       const __m512i v = fetch.at(x[l], y[l]);
       best = rule == Rule::maximum ? _mm512_mask_max_epu8(best, m, best, v)
                                    : _mm512_mask_min_epu8(best, m, best, v);
