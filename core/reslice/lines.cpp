@@ -4,10 +4,10 @@
 #include <numeric>
 
 #include "core/reslice/band.h"
+#include "core/reslice/band_painter.h"
 #include "core/reslice/bilinear.h"
 #include "core/reslice/compound.h"
 #include "core/reslice/cull.h"
-#include "core/reslice/nearest_painter.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {
@@ -176,7 +176,7 @@ void paint_lattice(const FrameTable& table, const Lattice& lattice, const Render
   const int across = (lattice.samples + tile_pixels - 1) / tile_pixels;
   const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
   parallel.for_each(across * down, [&](int tile) {
-    NearestPainter painter(table, settings.compounding, image);
+    BandPainter painter(table, settings, image);
     painter.paint_tile(lattice, all, tile % across * tile_pixels, tile / across * tile_pixels);
   });
 }
@@ -187,7 +187,7 @@ void paint_curved(const FrameTable& table, const LineBundle& bundle, const Rende
   const int across = (bundle.samples + patch_lanes - 1) / patch_lanes;
   const int down = (bundle.rows + block_rows - 1) / block_rows;
   parallel.for_each(across * down, [&](int block) {
-    NearestPainter painter(table, settings.compounding, image);
+    BandPainter painter(table, settings, image);
     const int first = block / across * block_rows;
     painter.paint_lines(bundle, all, block % across * patch_lanes, first,
                         std::min(first + block_rows, bundle.rows));
@@ -219,7 +219,7 @@ BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const R
   const bool hold = std::all_of(table.frames.begin(), table.frames.end(), [&](const FrameEntry& f) {
     return patches_hold(f, mm_per_sample, mm_per_row);
   });
-  if (settings.interpolation == Interpolation::linear || !hold) {
+  if (!hold) {
     paint_plainly(table, bundle, settings, parallel, image);
   } else if (lattice) {
     paint_lattice(table, *lattice, settings, parallel, image);

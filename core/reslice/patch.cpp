@@ -32,7 +32,8 @@ bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_r
          frame.y_px.gradient.norm() * px <= most_px;
 }
 
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out) {
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, int taps,
+                      PatchFrame& out) {
   out.pixels = frame.pixels;
   out.stride = frame.stride;
   out.width = frame.width;
@@ -72,10 +73,10 @@ void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape
     out.column[k] = static_cast<std::uint8_t>((out.offset_x[k] >> 16) - out.least_column);
     out.row[k] = static_cast<std::uint8_t>((out.offset_y[k] >> 16) - out.least_row);
   }
-  // A carry adds one column and one row to what the lanes span.
-  const bool fits_rows = out.columns + 1 < 128 && out.rows + 1 < 128;
+  // A carry adds one column and one row to what the lanes span, and so does each tap beyond the first.
+  const bool fits_rows = out.columns + taps < 128 && out.rows + taps < 128;
   const bool fits_window =
-      out.columns + 1 < 16 && out.rows + 1 < 16 && frame.width >= 16 && frame.height >= 16;
+      out.columns + taps < 16 && out.rows + taps < 16 && frame.width >= 16 && frame.height >= 16;
   if (fits_rows && (out.rows <= 1 || (!fits_window && out.rows < 24))) {
     out.fetch = Fetch::rows;
   } else {

@@ -79,6 +79,15 @@ struct PatchFunction {
   float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
 };
 
+// One of two frames to blend: feet (not positions) and distances at lane 0 of each layer.
+struct LinearSide {
+  const PatchFrame* frame = nullptr;
+  const FixedPx* x = nullptr;
+  const FixedPx* y = nullptr;
+  const float* z = nullptr;  // mm
+  float z_per_sample = 0, z_per_row = 0;
+};
+
 // The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
 // sets give the same bits.
 struct PatchKernels {
@@ -102,6 +111,16 @@ struct PatchKernels {
   // 1/2 pixel, so that its whole part is the pixel. Those lanes must lie in the picture.
   void (*take)(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
                Rule rule, PatchSums& sums);
+
+  // Compounds bilinear samples of two frames, blended by distance: (a |zb| + b |za|) / (|za| + |zb|), in
+  // 1/256 of a level, rounded once. The z have opposite signs. Feet must lie in the pictures; taps beyond a
+  // picture's edge count as the edge, which renormalised weights amount to. Grey only.
+  void (*blend)(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
+                int layers, Rule rule, PatchSums& sums);
+
+  // masks[l] &= lanes whose four taps, those beyond the edge not counted, are all in the mask.
+  void (*taps_inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
+                      const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
 };
 
 const PatchKernels& patch_kernels();
@@ -114,11 +133,14 @@ struct FootSteps {
 // Patches of any shape keep positions of the frame within 8000 pixels of one another, as the tables need.
 bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row);
 
-// Precondition: patches_hold.
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, PatchFrame& out);
+// `taps`: pixels along x and along y that a sample takes. Precondition: patches_hold.
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, int taps,
+                      PatchFrame& out);
 
 // The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
 // numbers never fall below a boundary they are on.
 FixedPx fixed_position(double foot_px);
+// From that position to the foot itself, whose whole part is the upper left of its four taps.
+constexpr FixedPx foot_from_position = -((FixedPx{1} << 31) + (FixedPx{1} << 17));
 
 }  // namespace sonoband

@@ -9,8 +9,10 @@
 #include <hwy/highway.h>
 
 #include "core/reslice/patch.h"
+#include "core/reslice/patch_linear_plain-inl.h"
 #include "core/reslice/patch_plain-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
+#include "core/reslice/patch_linear_vbmi-inl.h"
 #include "core/reslice/patch_vbmi-inl.h"
 #endif
 
@@ -143,6 +145,12 @@ HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, c
   take_single<rule>(f, x, y, masks, layers, sums);
 }
 
+template <Rule rule>
+HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
+                       int layers, PatchSums& sums) {
+  blend_single<rule>(grid, a, b, masks, layers, sums);
+}
+
 #endif
 
 HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
@@ -191,8 +199,39 @@ HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff
   }
 }
 
+HWY_ATTR void blend(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
+                    int layers, Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return blend_by<Rule::maximum>(grid, a, b, masks, layers, sums);
+    case Rule::minimum:
+      return blend_by<Rule::minimum>(grid, a, b, masks, layers, sums);
+    case Rule::mean_grey:
+    case Rule::mean_doppler:
+      return blend_by<Rule::mean_grey>(grid, a, b, masks, layers, sums);
+  }
+}
+
+HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
+                          const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
+#if HWY_TARGET == HWY_AVX3_DL
+  if (f.fetch != Fetch::single) {
+    PatchFrame of_mask = f;
+    of_mask.pixels = mask;
+    of_mask.stride = mask_stride;
+    if (f.fetch == Fetch::rows) {
+      taps_inside_permuted<RowsTaps>(of_mask, x, y, layers, masks);
+    } else {
+      taps_inside_permuted<WindowTaps>(of_mask, x, y, layers, masks);
+    }
+    return;
+  }
+#endif
+  taps_inside_single(f, mask, mask_stride, x, y, layers, masks);
+}
+
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{thresholds, between, half_space, inside, take};
+  static constexpr PatchKernels kernels{thresholds, between, half_space, inside, take, blend, taps_inside};
   return kernels;
 }
 

@@ -126,6 +126,18 @@ class RowsFetch {
   __m512i column_, row_;
 };
 
+// 16 x 16 pixels into four registers of four rows.
+HWY_ATTR HWY_INLINE void load_window(const std::uint8_t* from, std::ptrdiff_t stride, __m512i* window) {
+  const auto sixteen = [](const std::uint8_t* row)
+                           HWY_ATTR { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row)); };
+  for (int i = 0; i < 4; ++i, from += 4 * stride) {
+    __m512i w = _mm512_castsi128_si512(sixteen(from));
+    w = _mm512_mask_broadcast_i32x4(w, 0x00f0, sixteen(from + stride));
+    w = _mm512_mask_broadcast_i32x4(w, 0x0f00, sixteen(from + 2 * stride));
+    window[i] = _mm512_mask_broadcast_i32x4(w, 0xf000, sixteen(from + 3 * stride));
+  }
+}
+
 // Lanes within 16 x 16 pixels, which stay in four registers while the layers move within them.
 class WindowFetch {
  public:
@@ -172,17 +184,7 @@ class WindowFetch {
     if (x == left_ && y == top_) return;
     left_ = x;
     top_ = y;
-    const std::uint8_t* row = pixels_ + top_ * stride_ + left_;
-    for (__m512i& w : window_) {
-      w = _mm512_castsi128_si512(sixteen(row));
-      w = _mm512_mask_broadcast_i32x4(w, 0x00f0, sixteen(row + stride_));
-      w = _mm512_mask_broadcast_i32x4(w, 0x0f00, sixteen(row + 2 * stride_));
-      w = _mm512_mask_broadcast_i32x4(w, 0xf000, sixteen(row + 3 * stride_));
-      row += 4 * stride_;
-    }
-  }
-  HWY_ATTR static HWY_INLINE __m128i sixteen(const std::uint8_t* from) {
-    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+    load_window(pixels_ + top_ * stride_ + left_, stride_, window_);
   }
 
   const std::uint8_t* pixels_;

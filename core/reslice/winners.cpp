@@ -50,7 +50,9 @@ void values_at(const PatchPlace& place, const AffineScalar& f, double* values) {
 }
 
 void Winners::find(const FrameTable& table, std::span<const Candidate> candidates,
-                   std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid) {
+                   std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid,
+                   Interpolation interpolation) {
+  linear_ = interpolation == Interpolation::linear;
   if (shares_.size() < candidates.size()) shares_.resize(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c)
     support(table, candidates[c], *frames[c], place, grid, shares_[c]);
@@ -67,9 +69,9 @@ void Winners::support(const FrameTable& table, const Candidate& candidate, const
   share.z_per_sample = z.gradient.dot(place.sample_step);
   share.z_per_row = z.gradient.dot(place.row_step);
   const LaneSpan lanes = lane_span(share.z_per_sample, share.z_per_row, place.shape);
-  const double reach = f.gap_mm + tie_mm;
+  const double near_reach = f.gap_mm + tie_mm, far_reach = (linear_ ? 2 : 1) * f.gap_mm + tie_mm;
   const auto near = [&](int l) {
-    return share.z[l] + lanes.lowest <= reach && share.z[l] + lanes.highest >= -reach;
+    return share.z[l] + lanes.lowest <= far_reach && share.z[l] + lanes.highest >= -far_reach;
   };
   share.first = 0;
   share.last = place.layers;
@@ -84,28 +86,41 @@ void Winners::support(const FrameTable& table, const Candidate& candidate, const
   values_at(place, f.y_px, foot.data());
   for (int l = share.first; l < share.last; ++l) share.y[l] = fixed_position(foot[l]);
 
-  LaneMask* support = share.support.data() + share.first;
-  std::copy_n(place.lanes.data() + share.first, layers, support);
-  // |z| <= d, as two half spaces; `far` are those beyond.
   Side side;
   side.per_sample = share.z_per_sample;
   side.per_row = share.z_per_row;
   std::copy_n(share.z.data() + share.first, layers, side.base.data());
   const auto [low, high] = std::minmax_element(side.base.begin(), side.base.begin() + layers);
-  std::array<LaneMask, patch_layers> masks;
-  if (*high + lanes.highest > reach) {
-    side.at_least(reach + float_tie_mm, layers, grid, masks.data());
-    for (int l = 0; l < layers; ++l) support[l] &= ~masks[l];
-  }
-  if (*low + lanes.lowest < -reach) {
-    side.at_least(-reach - float_tie_mm, layers, grid, masks.data());
-    for (int l = 0; l < layers; ++l) support[l] &= masks[l];
-  }
+  const double lowest = *low + lanes.lowest, highest = *high + lanes.highest;
+  // |z| <= reach, as two half spaces.
+  const auto keep_within = [&](double reach, LaneMask* kept) {
+    std::array<LaneMask, patch_layers> masks;
+    if (highest > reach) {
+      side.at_least(reach + float_tie_mm, layers, grid, masks.data());
+      for (int l = 0; l < layers; ++l) kept[l] &= ~masks[l];
+    }
+    if (lowest < -reach) {
+      side.at_least(-reach - float_tie_mm, layers, grid, masks.data());
+      for (int l = 0; l < layers; ++l) kept[l] &= masks[l];
+    }
+  };
+  const auto of_layers = [&](std::array<LaneMask, patch_layers>& masks) {
+    return masks.data() + share.first;
+  };
+  LaneMask* support = of_layers(share.support);
+  std::copy_n(place.lanes.data() + share.first, layers, support);
+  keep_within(far_reach, support);
   if (!candidate.full) {
     patch_kernels().inside(frame, candidate.borders_mask ? table.mask.data : nullptr, table.mask.stride,
                            share.x.data() + share.first, share.y.data() + share.first, layers, support);
   }
-  std::copy_n(support, layers, share.wins.data() + share.first);
+  if (linear_) {
+    std::copy_n(support, layers, of_layers(share.far_support));
+    std::copy_n(support, layers, of_layers(share.side_wins));
+    side.at_least(0, layers, grid, of_layers(share.positive));
+    keep_within(near_reach, support);
+  }
+  std::copy_n(support, layers, of_layers(share.wins));
 }
 
 void Winners::contest(Share& earlier, Share& later, const PatchPlace& place, const LaneGrid& grid) {
@@ -154,6 +169,18 @@ void Winners::contest(Share& earlier, Share& later, const PatchPlace& place, con
   for (int l = 0; l < layers; ++l) {
     earlier.wins[first + l] &= nearer[l] | ~later.support[first + l];
     later.wins[first + l] &= ~nearer[l] | ~earlier.support[first + l];
+  }
+  if (!linear_) return;
+  // On the positive side the smaller z is nearer, on the other the greater.
+  std::array<LaneMask, patch_layers> smaller, greater;
+  below(difference, smaller.data());
+  above(difference, greater.data());
+  for (int l = 0; l < layers; ++l) {
+    const LaneMask of_earlier = earlier.positive[first + l], of_later = later.positive[first + l];
+    const LaneMask same_side = ~(of_earlier ^ of_later);
+    const LaneMask earlier_nearer = (of_earlier & smaller[l]) | (~of_earlier & greater[l]);
+    earlier.side_wins[first + l] &= earlier_nearer | ~(same_side & later.far_support[first + l]);
+    later.side_wins[first + l] &= ~earlier_nearer | ~(same_side & earlier.far_support[first + l]);
   }
 }
 

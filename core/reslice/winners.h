@@ -34,12 +34,15 @@ class Winners {
     double z_per_sample = 0, z_per_row = 0;
     std::array<double, patch_layers> z;                // at lane 0
     std::array<FixedPx, patch_layers> x, y;            // of the foot at lane 0
-    std::array<LaneMask, patch_layers> support, wins;  // lanes
+    std::array<LaneMask, patch_layers> support, wins;  // lanes in reach; lanes it is the nearest of
+    // Linear only: lanes on the positive side; within twice the reach; nearest of its side there.
+    std::array<LaneMask, patch_layers> positive, far_support, side_wins;
   };
 
-  // frames[c] is candidates[c]'s.
+  // frames[c] is candidates[c]'s, which are in order of capture.
   void find(const FrameTable& table, std::span<const Candidate> candidates,
-            std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid);
+            std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid,
+            Interpolation interpolation);
   const Share& share(std::size_t candidate) const { return shares_[candidate]; }
 
  private:
@@ -47,6 +50,7 @@ class Winners {
                const PatchPlace& place, const LaneGrid& grid, Share& share);
   void contest(Share& earlier, Share& later, const PatchPlace& place, const LaneGrid& grid);
 
+  bool linear_ = false;
   std::vector<Share> shares_;
 };
 

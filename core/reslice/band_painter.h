@@ -1,0 +1,84 @@
+// Paints a picture tile by tile and a tile patch by patch. In a patch the frames take over from one another
+// at boundaries (core/reslice/chain.h), or, where they cross, as the algebra of core/reslice/winners.h says.
+#pragma once
+
+#include "core/reslice/chain.h"
+#include "core/reslice/patch_totals.h"
+#include "core/reslice/tile.h"
+#include "core/reslice/winners.h"
+
+namespace sonoband {
+
+// One thread's painter. Tiles may come in any order; none depends on another.
+class BandPainter {
+ public:
+  BandPainter(const FrameTable& table, const RenderSettings& settings, BandImage& image)
+      : table_(table),
+        linear_(settings.interpolation == Interpolation::linear),
+        rule_(rule_of(settings.compounding, table.kind)),
+        image_(image),
+        totals_(rule_) {}
+
+  // `frames` are those that may matter, ascending.
+  void paint_tile(const Lattice& lattice, const std::vector<int>& frames, int a, int b);
+
+  // Rows [first, last) of any bundle, samples [a, a + 64).
+  void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
+
+ private:
+  // Where the cells from this one on begin: value >= 0. Nearest: a cell is a member's, begun by the bisector
+  // with the one before. Linear: a cell lies between two members, begun by the plane of the one before.
+  struct Boundary {
+    PatchFunction at_tile;
+    float extent = 0;  // over a patch, from its centre
+    float centre = 0;  // of a patch, from lane 0
+    bool always = false, never = false;
+  };
+  // A chain laid out for patches: members' places in tile_.frames and the boundaries of cells.
+  struct Cells {
+    std::vector<int> members;
+    std::vector<Boundary> boundaries;  // one more than cells
+  };
+  struct Patch {
+    int da = 0, db = 0;  // from the tile's corner
+    int l = 0, depth = 0;
+    LaneMask lanes = 0;
+  };
+
+  Interpolation interpolation() const { return linear_ ? Interpolation::linear : Interpolation::nearest; }
+  Boundary boundary(const Lattice& lattice, const AffineScalar& value, int l, int depth) const;
+  void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates, int l,
+               int depth, Cells& cells) const;
+  void paint_cells(const Cells& cells, const Patch& patch);
+  void take_cell(const Cells& cells, int cell, const Patch& patch, int low, int high, LaneMask* masks);
+  void paint_block(const Lattice& lattice, const LatticeBlock& block);
+  void paint_place(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames);
+  void blend_shares(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames,
+                    std::size_t a, int b);
+
+  // One of two frames to blend, with storage for its layers.
+  struct BlendSide {
+    int frame = 0;  // index into the table
+    const PatchFrame* patch = nullptr;
+    std::array<FixedPx, patch_layers> x, y;  // feet
+    std::array<float, patch_layers> z;
+    float z_per_sample = 0, z_per_row = 0;
+    LinearSide side() const { return {patch, x.data(), y.data(), z.data(), z_per_sample, z_per_row}; }
+  };
+  void blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks);
+  void blend_lane(const BlendSide& a, const BlendSide* b, int l, int lane);
+
+  const FrameTable& table_;
+  bool linear_;
+  Rule rule_;
+  BandImage& image_;
+  PatchTotals totals_;
+  LaneGrid grid_{};
+  Tile tile_;
+  Cells tile_cells_, patch_cells_;
+  Winners winners_;
+  PatchPlace place_;
+  BlendSide side_a_, side_b_;
+};
+
+}  // namespace sonoband
