@@ -7,6 +7,9 @@
 
 namespace sonoband::cart {
 
+// What to tell the operator when the system refuses, with the cure. `error` is errno.
+std::string lock_refused(std::size_t bytes, int error);
+
 class LockedMemory {
  public:
   explicit LockedMemory(std::span<const std::byte> memory);
@@ -15,7 +18,7 @@ class LockedMemory {
   LockedMemory& operator=(const LockedMemory&) = delete;
 
   bool locked() const { return warning_.empty(); }
-  // One sentence with the cure when the system's limit forbids it, else empty. The cart works all the same.
+  // lock_refused's sentence, or empty. The cart works all the same.
   const std::string& warning() const { return warning_; }
 
  private:

@@ -83,7 +83,7 @@ TEST(LateNews, NorWithAnyMixtureOfDelays) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const double hz = std::vector<double>{25, 30, 60}[random() % 3];
     const Delays delays{.frame_ms = between(0, 200),
                         .pose_ms = between(0, 80),
