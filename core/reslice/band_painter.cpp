@@ -340,7 +340,7 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block)
 }
 
 void BandPainter::paint_tile(const Lattice& lattice, const std::vector<int>& frames, int a, int b) {
-  if (!tile_.open(table_, lattice, frames, interpolation(), a, b)) return;
+  if (stopped() || !tile_.open(table_, lattice, frames, interpolation(), a, b)) return;
   const LaneShape shape = tile_.shape;
   grid_ = lane_grid(shape);
   Chain chain;
@@ -348,6 +348,7 @@ void BandPainter::paint_tile(const Lattice& lattice, const std::vector<int>& fra
       lattice.layers <= patch_layers && make_chain(table_, tile_.candidates, tile_.box, chain);
   if (chained) lay_out(lattice, chain, tile_.candidates, 0, lattice.layers, tile_cells_);
   for (int db = 0; db < tile_.block.height; db += shape.down()) {
+    if (stopped()) return;
     for (int da = 0; da < tile_.block.width; da += shape.across) {
       const int width = std::min(shape.across, tile_.block.width - da);
       const int height = std::min(shape.down(), tile_.block.height - db);
@@ -386,7 +387,7 @@ void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& 
   place_.shape = tile_.shape;
   place_.sample_step = bundle.step.v;
   place_.row_step.setZero();
-  for (int row = first; row < last; ++row) {
+  for (int row = first; row < last && !stopped(); ++row) {
     const BlockBox box = box_of(bundle, {row, row + 1, a, end});
     if (box.empty) continue;
     cull(table_, near, box.box, interpolation(), candidates);

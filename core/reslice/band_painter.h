@@ -2,6 +2,8 @@
 // at boundaries (core/reslice/chain.h), or, where they cross, as the algebra of core/reslice/winners.h says.
 #pragma once
 
+#include <atomic>
+
 #include "core/reslice/chain.h"
 #include "core/reslice/patch_totals.h"
 #include "core/reslice/tile.h"
@@ -12,8 +14,10 @@ namespace sonoband {
 // One thread's painter. Tiles may come in any order; none depends on another.
 class BandPainter {
  public:
-  BandPainter(const FrameTable& table, const RenderSettings& settings, BandImage& image)
+  BandPainter(const FrameTable& table, const RenderSettings& settings, BandImage& image,
+              const std::atomic<bool>* stop)
       : table_(table),
+        stop_(stop),
         linear_(settings.interpolation == Interpolation::linear),
         rule_(rule_of(settings.compounding, table.kind)),
         image_(image),
@@ -68,7 +72,10 @@ class BandPainter {
   void blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks);
   void blend_lane(const BlendSide& a, const BlendSide* b, int l, int lane);
 
+  bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
+
   const FrameTable& table_;
+  const std::atomic<bool>* stop_;  // may be null
   bool linear_;
   Rule rule_;
   BandImage& image_;

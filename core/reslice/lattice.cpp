@@ -2,6 +2,16 @@
 
 namespace sonoband {
 
+Lattice lattice_through(const Eigen::Vector3d& origin, const Eigen::Vector3d& per_sample,
+                        const Eigen::Vector3d& last_row, const Eigen::Vector3d& last_layer, int samples,
+                        int rows, int layers) {
+  Lattice lattice{origin, per_sample, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), samples,
+                  rows,   layers};
+  if (rows > 1) lattice.per_row = (last_row - origin) / (rows - 1);
+  if (layers > 1) lattice.per_layer = (last_layer - origin) / (layers - 1);
+  return lattice;
+}
+
 std::optional<Lattice> lattice_of(const LineBundle& bundle) {
   if (bundle.rows <= 0 || bundle.layers <= 0) return std::nullopt;
   for (const std::uint8_t p : bundle.present)
@@ -9,12 +19,9 @@ std::optional<Lattice> lattice_of(const LineBundle& bundle) {
   const auto start = [&](int row, int layer) -> const Eigen::Vector3d& {
     return bundle.starts[static_cast<std::size_t>(row) * bundle.layers + layer].v;
   };
-  Lattice lattice{
-      start(0, 0), bundle.step.v, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), bundle.samples,
-      bundle.rows, bundle.layers};
-  const int last_row = bundle.rows - 1, last_layer = bundle.layers - 1;
-  if (last_row > 0) lattice.per_row = (start(last_row, 0) - start(0, 0)) / last_row;
-  if (last_layer > 0) lattice.per_layer = (start(0, last_layer) - start(0, 0)) / last_layer;
+  const Lattice lattice =
+      lattice_through(start(0, 0), bundle.step.v, start(bundle.rows - 1, 0), start(0, bundle.layers - 1),
+                      bundle.samples, bundle.rows, bundle.layers);
   constexpr double off_mm = 1e-6;
   for (int row = 0; row < bundle.rows; ++row) {
     const Eigen::Vector3d first = lattice.at(0, row, 0);

@@ -19,6 +19,11 @@ struct Lattice {
   }
 };
 
+// By the starts of the first line, of the last row's and of the last layer's.
+Lattice lattice_through(const Eigen::Vector3d& origin, const Eigen::Vector3d& per_sample,
+                        const Eigen::Vector3d& last_row, const Eigen::Vector3d& last_layer, int samples,
+                        int rows, int layers);
+
 // Empty where a line is absent or starts more than 1 nm off the lattice.
 std::optional<Lattice> lattice_of(const LineBundle& bundle);
 

@@ -121,6 +121,11 @@ struct PatchKernels {
   // masks[l] &= lanes whose four taps, those beyond the edge not counted, are all in the mask.
   void (*taps_inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
                       const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
+
+  // Compounds a row of a painted layer (0 where has_data, 255 or 0, is 0) into `extreme` and, if given,
+  // `sum`.
+  void (*stack)(const std::uint8_t* layer, const std::uint8_t* has_data, int width, bool minimum,
+                std::uint8_t* extreme, std::uint32_t* sum, std::uint16_t* covered);
 };
 
 const PatchKernels& patch_kernels();

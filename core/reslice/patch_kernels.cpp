@@ -230,8 +230,31 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
   taps_inside_single(f, mask, mask_stride, x, y, layers, masks);
 }
 
+HWY_ATTR void stack(const std::uint8_t* layer, const std::uint8_t* has_data, int width, bool minimum,
+                    std::uint8_t* extreme, std::uint32_t* sum, std::uint16_t* covered) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const auto step = static_cast<int>(hn::Lanes(d));
+  int x = 0;
+  for (; x + step <= width; x += step) {
+    const auto v = hn::LoadU(d, layer + x), old = hn::LoadU(d, extreme + x);
+    // No data is 0 for a maximum and must be 255 for a minimum.
+    const auto best =
+        minimum ? hn::Min(old, hn::Or(v, hn::Not(hn::LoadU(d, has_data + x)))) : hn::Max(old, v);
+    hn::StoreU(best, d, extreme + x);
+  }
+  for (; x < width; ++x) {
+    const auto missing = static_cast<std::uint8_t>(~has_data[x]);
+    extreme[x] = minimum ? std::min(extreme[x], static_cast<std::uint8_t>(layer[x] | missing))
+                         : std::max(extreme[x], layer[x]);
+  }
+  for (int i = 0; i < width; ++i) covered[i] = static_cast<std::uint16_t>(covered[i] + (has_data[i] & 1));
+  if (sum == nullptr) return;
+  for (int i = 0; i < width; ++i) sum[i] += layer[i];
+}
+
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{thresholds, between, half_space, inside, take, blend, taps_inside};
+  static constexpr PatchKernels kernels{thresholds, between, half_space,  inside,
+                                        take,       blend,   taps_inside, stack};
   return kernels;
 }
 

@@ -1,10 +1,10 @@
-// Planes as bundles of lines, and the one kernel that paints bundles.
+#include "core/reslice/plain_painter.h"
+
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <numeric>
 
-#include "core/reslice/band.h"
-#include "core/reslice/band_painter.h"
 #include "core/reslice/bilinear.h"
 #include "core/reslice/compound.h"
 #include "core/reslice/cull.h"
@@ -137,26 +137,14 @@ class BlockPainter {
   std::vector<Candidate> candidates_;
 };
 
-// Where line (row, layer) of a plane starts.
-Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
-  return plane.origin + (row * plane.pixel_mm) * plane.down + band.offset_mm(layer) * plane.normal();
-}
+}  // namespace
 
-std::vector<int> all_frames(const FrameTable& table) {
+void paint_plainly(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
+                   Parallel& parallel, const std::atomic<bool>* stop, BandImage& image) {
   std::vector<int> all(table.frames.size());
   std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
-BandImage empty_image(int width, int height, PixelKind kind) {
-  return {Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), kind};
-}
-
-// Any bundle, by the plain kernel.
-void paint_plainly(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
-                   Parallel& parallel, BandImage& image) {
-  const std::vector<int> all = all_frames(table);
   parallel.for_each((bundle.rows + block_rows - 1) / block_rows, [&](int b) {
+    if (stop != nullptr && stop->load(std::memory_order_relaxed)) return;
     const BundleBlock rows{b * block_rows, std::min((b + 1) * block_rows, bundle.rows), 0, bundle.samples};
     const BlockBox box = box_of(bundle, rows);
     if (box.empty) return;
@@ -168,70 +156,6 @@ void paint_plainly(const FrameTable& table, const LineBundle& bundle, const Rend
     for (int s = 0; s < bundle.samples; s += block_samples)
       painter.paint({rows.row_begin, rows.row_end, s, std::min(s + block_samples, bundle.samples)}, near);
   });
-}
-
-void paint_lattice(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
-                   Parallel& parallel, BandImage& image) {
-  const std::vector<int> all = all_frames(table);
-  const int across = (lattice.samples + tile_pixels - 1) / tile_pixels;
-  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
-  parallel.for_each(across * down, [&](int tile) {
-    BandPainter painter(table, settings, image);
-    painter.paint_tile(lattice, all, tile % across * tile_pixels, tile / across * tile_pixels);
-  });
-}
-
-void paint_curved(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
-                  Parallel& parallel, BandImage& image) {
-  const std::vector<int> all = all_frames(table);
-  const int across = (bundle.samples + patch_lanes - 1) / patch_lanes;
-  const int down = (bundle.rows + block_rows - 1) / block_rows;
-  parallel.for_each(across * down, [&](int block) {
-    BandPainter painter(table, settings, image);
-    const int first = block / across * block_rows;
-    painter.paint_lines(bundle, all, block % across * patch_lanes, first,
-                        std::min(first + block_rows, bundle.rows));
-  });
-}
-
-}  // namespace
-
-LineBundle plane_lines(const ReslicePlane& plane, const Band& band) {
-  LineBundle bundle;
-  bundle.samples = plane.width;
-  bundle.rows = plane.height;
-  bundle.layers = band.layers();
-  bundle.step = plane.pixel_mm * plane.right;
-  bundle.starts.reserve(static_cast<std::size_t>(bundle.rows) * bundle.layers);
-  for (int row = 0; row < plane.height; ++row)
-    for (int layer = 0; layer < bundle.layers; ++layer)
-      bundle.starts.push_back(line_start(plane, band, row, layer));
-  return bundle;
-}
-
-BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
-                       Parallel& parallel) {
-  const FrameTable table = make_frame_table(sweep, settings.gap);
-  BandImage image = empty_image(bundle.samples, bundle.rows, table.kind);
-  if (bundle.samples <= 0 || bundle.rows <= 0) return image;
-  const std::optional<Lattice> lattice = lattice_of(bundle);
-  const double mm_per_sample = bundle.step.v.norm(), mm_per_row = lattice ? lattice->per_row.norm() : 0;
-  const bool hold = std::all_of(table.frames.begin(), table.frames.end(), [&](const FrameEntry& f) {
-    return patches_hold(f, mm_per_sample, mm_per_row);
-  });
-  if (!hold) {
-    paint_plainly(table, bundle, settings, parallel, image);
-  } else if (lattice) {
-    paint_lattice(table, *lattice, settings, parallel, image);
-  } else {
-    paint_curved(table, bundle, settings, parallel, image);
-  }
-  return image;
-}
-
-BandImage render_planar(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                        Parallel& parallel) {
-  return render_lines(sweep, plane_lines(plane, settings.band), settings, parallel);
 }
 
 }  // namespace sonoband

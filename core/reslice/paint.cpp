@@ -1,0 +1,119 @@
+#include "core/reslice/paint.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/reslice/band_painter.h"
+#include "core/reslice/plain_painter.h"
+
+namespace sonoband {
+namespace {
+
+constexpr int block_rows = 8;  // of an unrolled surface, culled together
+
+// Where line (row, layer) of a plane starts.
+Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
+  return plane.origin + (row * plane.pixel_mm) * plane.down + band.offset_mm(layer) * plane.normal();
+}
+
+std::vector<int> all_frames(const FrameTable& table) {
+  std::vector<int> all(table.frames.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+BandImage empty_image(int width, int height, PixelKind kind) {
+  return {Pixels(std::max(width, 0), std::max(height, 0)),
+          ImageBuffer<std::uint16_t>(std::max(width, 0), std::max(height, 0)), kind};
+}
+
+bool patches_hold_all(const FrameTable& table, double mm_per_sample, double mm_per_row) {
+  return std::all_of(table.frames.begin(), table.frames.end(),
+                     [&](const FrameEntry& f) { return patches_hold(f, mm_per_sample, mm_per_row); });
+}
+
+LineBundle lines_of(const Lattice& lattice) {
+  LineBundle bundle;
+  bundle.samples = lattice.samples;
+  bundle.rows = lattice.rows;
+  bundle.layers = lattice.layers;
+  bundle.step = {lattice.per_sample};
+  for (int row = 0; row < lattice.rows; ++row)
+    for (int layer = 0; layer < lattice.layers; ++layer) bundle.starts.push_back({lattice.at(0, row, layer)});
+  return bundle;
+}
+
+}  // namespace
+
+LineBundle plane_lines(const ReslicePlane& plane, const Band& band) {
+  LineBundle bundle;
+  bundle.samples = plane.width;
+  bundle.rows = plane.height;
+  bundle.layers = band.layers();
+  bundle.step = plane.pixel_mm * plane.right;
+  bundle.starts.reserve(static_cast<std::size_t>(bundle.rows) * bundle.layers);
+  for (int row = 0; row < plane.height; ++row)
+    for (int layer = 0; layer < bundle.layers; ++layer)
+      bundle.starts.push_back(line_start(plane, band, row, layer));
+  return bundle;
+}
+
+Lattice plane_lattice(const ReslicePlane& plane, const Band& band) {
+  const int layers = band.layers();
+  const auto start = [&](int row, int layer) { return line_start(plane, band, row, layer).v; };
+  return lattice_through(start(0, 0), (plane.pixel_mm * plane.right).v, start(plane.height - 1, 0),
+                         start(0, layers - 1), plane.width, plane.height, layers);
+}
+
+BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                Parallel& parallel, const std::atomic<bool>* stop) {
+  BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
+  if (lattice.samples <= 0 || lattice.rows <= 0 || table.frames.empty()) return image;
+  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
+    paint_plainly(table, lines_of(lattice), settings, parallel, stop, image);
+    return image;
+  }
+  const std::vector<int> all = all_frames(table);
+  const int across = (lattice.samples + tile_pixels - 1) / tile_pixels;
+  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
+  parallel.for_each(across * down, [&](int tile) {
+    BandPainter painter(table, settings, image, stop);
+    painter.paint_tile(lattice, all, tile % across * tile_pixels, tile / across * tile_pixels);
+  });
+  return image;
+}
+
+BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
+                Parallel& parallel, const std::atomic<bool>* stop) {
+  if (const std::optional<Lattice> lattice = lattice_of(bundle))
+    return paint(table, *lattice, settings, parallel, stop);
+  BandImage image = empty_image(bundle.samples, bundle.rows, table.kind);
+  if (bundle.samples <= 0 || bundle.rows <= 0 || table.frames.empty()) return image;
+  if (!patches_hold_all(table, bundle.step.v.norm(), 0)) {
+    paint_plainly(table, bundle, settings, parallel, stop, image);
+    return image;
+  }
+  const std::vector<int> all = all_frames(table);
+  const int across = (bundle.samples + patch_lanes - 1) / patch_lanes;
+  const int down = (bundle.rows + block_rows - 1) / block_rows;
+  parallel.for_each(across * down, [&](int block) {
+    BandPainter painter(table, settings, image, stop);
+    const int first = block / across * block_rows;
+    painter.paint_lines(bundle, all, block % across * patch_lanes, first,
+                        std::min(first + block_rows, bundle.rows));
+  });
+  return image;
+}
+
+BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
+                       Parallel& parallel) {
+  return paint(make_frame_table(sweep, settings.gap), bundle, settings, parallel, nullptr);
+}
+
+BandImage render_planar(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                        Parallel& parallel) {
+  return paint(make_frame_table(sweep, settings.gap), plane_lattice(plane, settings.band), settings, parallel,
+               nullptr);
+}
+
+}  // namespace sonoband

@@ -1,0 +1,57 @@
+// A sweep made ready for many renderings, that may grow between them.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/reslice/band.h"
+
+namespace sonoband {
+
+struct FrameTable;
+
+// Borrows frames, pictures and mask: they must outlive it. Not for two threads at once; renderings only read
+// it.
+class PreparedSweep {
+ public:
+  explicit PreparedSweep(const SweepView& sweep = {}, const GapLimit& gap = {});
+  ~PreparedSweep();
+  PreparedSweep(PreparedSweep&&) noexcept;
+  PreparedSweep& operator=(PreparedSweep&&) noexcept;
+
+  // Cheap: the next prepare() sees it. pose_status must be ok.
+  void append(const TrackedFrame& frame);
+
+  // Brings the tables up to date after append(): 0.1 ms for 200 frames. Gap limits of all frames may change,
+  // because the automatic ones rest on the median over the sweep.
+  const FrameTable& prepare();
+
+  SweepView view() const { return {frames_, mask_}; }
+
+ private:
+  std::vector<const TrackedFrame*> frames_;
+  MaskView mask_;
+  GapLimit gap_;
+  bool stale_ = true;
+  std::unique_ptr<FrameTable> table_;
+};
+
+// Set by anyone at any time: painting ends before the next row of patches and the picture is incomplete.
+using StopFlag = std::atomic<bool>;
+
+// As in band.h, but for settings.gap, which is the sweep's. A null `stop` is never set.
+BandImage render_planar(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                        Parallel& parallel, const StopFlag* stop = nullptr);
+BandImage render_lines(PreparedSweep& sweep, const LineBundle& bundle, const RenderSettings& settings,
+                       Parallel& parallel, const StopFlag* stop = nullptr);
+
+// For slow machines: the same view at every factor-th pixel and layer first, then in full; `show` gets each
+// picture that was finished, with its factor (pixel (x, y) of a coarse one is pixel (factor x, factor y) in
+// full, sampled in the same places). Nothing is coarser than asked unless this is called.
+void render_progressively(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                          int factor, Parallel& parallel, const StopFlag* stop,
+                          const std::function<void(BandImage, int factor)>& show);
+
+}  // namespace sonoband
