@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -21,7 +22,9 @@ struct Profile {
     std::array<int, 4> crop_px{0, 0, 0,
                                0};   // x, y, width, height in the captured picture; all 0: the whole picture
     std::string orientation = "MF";  // of the captured picture: MF, MN, UF or UN
-    double latency_ms = 0;  // scanner and grabber against tracker, from temporal calibration: 50 to 300
+    // Scanner and grabber against tracker, from temporal calibration: 50 to 300. Empty: what the board itself
+    // knows (a simulation does), else 0.
+    std::optional<double> latency_ms;
   } capture;
 
   struct Tracking {

@@ -76,9 +76,7 @@ bool take_option(const Place& place, const std::string& name, const std::string&
   } else if (name == "interpolation") {
     take_interpolation(place, value, render);
   } else if (name == "view") {
-    if (value != "level" && value != "upright")
-      place.refuse("view must be level or upright, not '" + value + "'");
-    render.view = value == "level" ? PlaneView::level : PlaneView::upright;
+    render.view = value;
   } else if (name == "at") {
     render.at = number_in(place, name, value, 0, 1);
   } else {
@@ -87,14 +85,15 @@ bool take_option(const Place& place, const std::string& name, const std::string&
   return true;
 }
 
-std::vector<std::array<double, 2>> take_curve(const Place& place, const std::string& value) {
-  std::vector<std::array<double, 2>> points;
+std::vector<Eigen::Vector2d> take_curve(const Place& place, const std::string& value) {
+  std::vector<Eigen::Vector2d> points;
   for (const std::string& point : split(value, ';')) {
     const auto xy = split(point, ',');
     if (xy.size() != 2) place.refuse("curve must be x,y;x,y;... in mm of the plane, not '" + point + "'");
     points.push_back(
         {number_in(place, "x", xy[0], -10000, 10000), number_in(place, "y", xy[1], -10000, 10000)});
   }
+  if (points.size() < 2) place.refuse("curve needs at least two points");
   return points;
 }
 
@@ -136,7 +135,6 @@ Action manifold_action(const Place& place, const std::vector<std::string>& words
       place.refuse("manifold has no option " + name);
     }
   }
-  if (manifold.curve_mm.size() < 2) place.refuse("manifold needs curve=x,y;x,y;... with at least two points");
   return manifold;
 }
 

@@ -5,24 +5,23 @@
 //   press                                      the record pedal goes down
 //   release                                    ... and up
 //   await review 10                            until the cart is in that state, at most so many seconds
-//   render thin.png                            a planar band of the last sweep through its middle
+//   render thin.png                            a planar band of the last sweep
 //   render thick.png thickness-mm=14 compounding=max
-//     options: thickness-mm=T compounding=max|min|mean interpolation=nearest|linear depth=0..1 size=WxH
-//     pixel-mm=P
-//              depth: where the plane lies between the probe (0) and the bottom of the picture (1), usually
-//              0.5
+//     options: thickness-mm=T compounding=max|min|mean interpolation=nearest|linear view=NAME at=0..1
+//              view: level or upright (core/reslice/default_plane.h; `at` says where), or one that the
+//              simulated scene suggests, such as sagittal
 //   manifold unrolled.png curve=x,y;x,y;... reach-mm=R [render's options]
-//              curve: plane mm of render's plane, from its first pixel
+//              curve: plane mm of the view, from its first pixel; curve and reach may be left to a scene that
+//              suggests them
 #pragma once
 
-#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "core/reslice/band.h"
-#include "core/reslice/default_plane.h"
 
 namespace sonoband::script {
 
@@ -38,13 +37,13 @@ struct Await {
 struct Render {
   std::string file;
   RenderSettings settings;
-  PlaneView view = PlaneView::upright;
+  std::string view = "upright";
   double at = 0.5;
 };
 struct Manifold {
-  Render plane;  // where the curve is drawn, and how the band is painted
-  std::vector<std::array<double, 2>> curve_mm;
-  double reach_mm = 20;
+  Render plane;                           // where the curve is drawn, and how the band is painted
+  std::vector<Eigen::Vector2d> curve_mm;  // empty: the view's own
+  std::optional<double> reach_mm;         // empty: the view's own
 };
 
 using Action = std::variant<Wait, Press, Release, Await, Render, Manifold>;

@@ -37,11 +37,11 @@ manifold spine.png curve=1,2;3,4.5 reach-mm=12 thickness-mm=7.2
   EXPECT_EQ(render.settings.band.thickness_mm, 14);
   EXPECT_EQ(render.settings.compounding, Compounding::mean);
   EXPECT_EQ(render.settings.interpolation, Interpolation::linear);
-  EXPECT_EQ(render.view, PlaneView::level);
+  EXPECT_EQ(render.view, "level");
   EXPECT_EQ(render.at, 0.4);
   const auto& manifold = std::get<Manifold>(steps[5].action);
   ASSERT_EQ(manifold.curve_mm.size(), 2u);
-  EXPECT_EQ(manifold.curve_mm[1][1], 4.5);
+  EXPECT_EQ(manifold.curve_mm[1].y(), 4.5);
   EXPECT_EQ(manifold.reach_mm, 12);
   EXPECT_EQ(manifold.plane.settings.band.thickness_mm, 7.2);
 }
@@ -60,10 +60,10 @@ TEST(Script, RefusalsNameFileLineAndCure) {
             "exam.script:1: compounding must be max, min or mean, not 'sum'");
   EXPECT_EQ(refusal("render a.png thick"),
             "exam.script:1: 'thick' is no option; options are written name=value");
-  EXPECT_EQ(refusal("render a.png view=top"), "exam.script:1: view must be level or upright, not 'top'");
-  EXPECT_EQ(refusal("manifold a.png curve=1,2"),
-            "exam.script:1: manifold needs curve=x,y;x,y;... with at least two points");
-  EXPECT_EQ(refusal("press now"), "exam.script:1: press stands alone on its line");
+  EXPECT_EQ(refusal("manifold a.png curve=1,2"), "exam.script:1: curve needs at least two points");
+  x, y;
+  ... with at least two points ");
+      EXPECT_EQ(refusal("press now"), "exam.script:1: press stands alone on its line");
 }
 
 TEST(Script, TheDefaultExaminationIsOne) {

@@ -1,0 +1,17 @@
+// The appliance that a board's devices and profile make.
+#pragma once
+
+#include <memory>
+
+#include "app/cart/appliance.h"
+#include "board/devices.h"
+
+namespace sonoband {
+
+// Takes the devices out of `board`; its views and foot stay. Crop, orientation, ring, pairing and pedal are
+// the profile's; the crop moves calibration and mask with it. Throws BadInput where the crop does not fit the
+// board's picture.
+std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profile& profile,
+                                                std::shared_ptr<Clock> clock);
+
+}  // namespace sonoband

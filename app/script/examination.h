@@ -1,0 +1,39 @@
+// Runs a scripted examination on a cart and says what came of it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "app/cart/appliance.h"
+#include "app/script/script.h"
+#include "board/devices.h"
+#include "core/parallel.h"
+#include "hal/clock.h"
+
+namespace sonoband::script {
+
+// The script asked for something that the cart did not do: what() names line, what was expected and what
+// happened.
+class ScriptFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Stage {
+  cart::Appliance& cart;                       // started; the calling thread is its owner
+  const std::function<bool(bool down)>& foot;  // of a simulated pedal; may be empty
+  const std::vector<BoardView>& views;
+  Clock& clock;
+  Parallel& workers;
+  std::filesystem::path out;  // exists; pictures go here
+};
+
+// On the cart's clock, by a thread that is its member. Gives {"sweeps": [...], "pictures": [...], "ledger":
+// {...}}: per sweep its frames and ledger, per picture its file, band, size, coverage and milliseconds.
+// Throws ScriptFailed, or BadInput where a picture cannot be written.
+nlohmann::ordered_json run(const std::vector<Step>& steps, const std::string& file, Stage& stage);
+
+}  // namespace sonoband::script
