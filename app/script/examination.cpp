@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <optional>
+#include <sstream>
 
 #include "app/exchange/png.h"
 #include "core/manifold/manifold_band.h"
@@ -88,8 +89,9 @@ class Runner {
       const std::string state = cart::name_of(stage_.cart.status().cart.state);
       if (state == await.state) return;
       if (stage_.clock.now() >= end) {
-        fail("the cart was to be in " + await.state + " within " + std::to_string(seconds(await.at_most)) +
-             " s and is in " + state);
+        std::ostringstream within;
+        within << seconds(await.at_most);
+        fail("the cart was to be in " + await.state + " within " + within.str() + " s and is in " + state);
       }
       stage_.clock.sleep_until(stage_.clock.now() + std::chrono::milliseconds(10));
     }

@@ -61,9 +61,7 @@ TEST(Script, RefusalsNameFileLineAndCure) {
   EXPECT_EQ(refusal("render a.png thick"),
             "exam.script:1: 'thick' is no option; options are written name=value");
   EXPECT_EQ(refusal("manifold a.png curve=1,2"), "exam.script:1: curve needs at least two points");
-  x, y;
-  ... with at least two points ");
-      EXPECT_EQ(refusal("press now"), "exam.script:1: press stands alone on its line");
+  EXPECT_EQ(refusal("press now"), "exam.script:1: press stands alone on its line");
 }
 
 TEST(Script, TheDefaultExaminationIsOne) {
