@@ -1,8 +1,10 @@
 # What every target of the house shares: flags, sanitizers, and one way to make a folder's library.
 
+# Paths relative to the clone, so that a fresh clone elsewhere finds what another has compiled.
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()
 
 add_library(sonoband_flags INTERFACE)
