@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "app/exchange/sequence_file.h"
+#include "tools/sweep_options.h"
 #include "tools/verbs.h"
 
 namespace sonoband::tools {
@@ -17,10 +18,16 @@ struct Options {
 };
 
 void convert(const Options& options) {
-  exchange::ReadSequence read = exchange::read_sequence(options.in);
+  exchange::ReadSequence read = [&] {
+    Progress progress("reading");
+    progress.show(0, 1);
+    return exchange::read_sequence(options.in);
+  }();
   for (const std::string& warning : read.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (options.compress) read.sequence.compressed = true;
   if (options.no_compress) read.sequence.compressed = false;
+  Progress progress("writing");
+  progress.show(0, 1);
   exchange::write_sequence(read.sequence, options.out);
 }
 

@@ -36,6 +36,14 @@ Json plane_json(const ReslicePlane& plane, const std::string& world) {
           {"pixel_mm", plane.pixel_mm},      {"world", world}};
 }
 
+// A line is kept for every row of every layer: 2^26 of them are 1.6 GB.
+void check_size(const ReslicePlane& plane, const Band& band) {
+  if (std::int64_t{plane.height} * band.layers() > std::int64_t{1} << 26 ||
+      std::int64_t{plane.width} * plane.height > std::int64_t{1} << 28)
+    throw CLI::ValidationError(
+        "--size", "picture and band are too large together; take fewer pixels or a thinner band");
+}
+
 // Of all pixels, those with data in at least one layer.
 double covered(const BandImage& image) {
   std::int64_t count = 0;
@@ -66,10 +74,16 @@ void render(const SweepOptions& sweep_options, const PlaneOptions& plane_options
                 sweep.world.c_str());
   const RenderSettings settings = settings_of(render_options, pixel_width_mm(view));
 
+  check_size(plane, settings.band);
+
   SystemClock clock;
   Workers workers(threads_of(render_options));
   const Stamp begin = clock.now();
-  const BandImage image = render_planar(view, plane, settings, workers);
+  const BandImage image = [&, &plane = plane] {
+    Progress progress("rendering");
+    progress.show(0, 1);
+    return render_planar(view, plane, settings, workers);
+  }();
   const double milliseconds = seconds(clock.now() - begin) * 1e3;
 
   Json json{{"sequence", sweep_options.sequence.string()}, {"plane", plane_json(plane, sweep.world)}};

@@ -11,8 +11,8 @@ namespace sonoband::tools {
 
 namespace {
 
-// 65 535 layers is what coverage counts to; 10 m is more than any sweep.
-constexpr double max_mm = 1e4;
+// 65 535 layers is what coverage counts to; 1 m is more than any sweep.
+constexpr double max_mm = 1e3;
 constexpr int max_layers = 65'535;
 
 const std::map<std::string, Compounding>& compoundings() {

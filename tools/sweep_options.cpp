@@ -65,8 +65,12 @@ void check_sweep_options(const SweepOptions& options) {
 exchange::SequenceSweep load_sweep(const SweepOptions& options) {
   const exchange::SweepRequest request = request_of(options);
   const exchange::PlusConfig config = exchange::read_plus_configs(options.calibrations);
-  exchange::SequenceSweep sweep = exchange::sweep_from_sequence(exchange::read_sequence(options.sequence),
-                                                                config, request, options.sequence.string());
+  exchange::SequenceSweep sweep = [&] {
+    Progress progress("reading");
+    progress.show(0, 1);
+    return exchange::sweep_from_sequence(exchange::read_sequence(options.sequence), config, request,
+                                         options.sequence.string());
+  }();
   for (const std::string& warning : sweep.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   return sweep;
 }
@@ -89,7 +93,10 @@ void Progress::show(int done, int all) {
   const int percent = all > 0 ? static_cast<int>(100LL * done / all) : 100;
   if (!terminal_ || percent == last_percent_) return;
   last_percent_ = percent;
-  std::fprintf(stderr, "\r%s: %d %%", what_.c_str(), percent);
+  if (all == 1)
+    std::fprintf(stderr, "\r%s ...", what_.c_str());
+  else
+    std::fprintf(stderr, "\r%s: %d %%", what_.c_str(), percent);
 }
 
 }  // namespace sonoband::tools

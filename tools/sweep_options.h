@@ -33,7 +33,7 @@ exchange::SequenceSweep load_sweep(const SweepOptions& options);
 // {used, left_out: {cause: n}, world, links}
 nlohmann::ordered_json frames_json(const exchange::SequenceSweep& sweep);
 
-// A line of progress on a terminal, nothing elsewhere.
+// A line of progress on a terminal, nothing elsewhere. Work in one piece (all = 1) shows no percentage.
 class Progress {
  public:
   explicit Progress(std::string what);

@@ -108,7 +108,7 @@ struct Motion {
 
 // The middle of the picture where a calibration leads to it, else whatever is tracked first.
 std::optional<Motion> what_moves(const TrackedSequence& s, const TransformGraph& graph) {
-  const std::string world = default_world(graph);
+  const std::string world = default_world(s);
   if (world.empty()) return std::nullopt;
   if (graph.has("Image") && s.has_pictures())
     return Motion{"Image", world, {(s.width - 1) / 2.0, (s.height - 1) / 2.0, 0, 1}};

@@ -88,10 +88,19 @@ TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConf
   return graph;
 }
 
-std::string default_world(const TransformGraph& graph) {
-  for (const char* name : {"Reference", "Tracker"})
-    if (graph.has(name)) return name;
-  return {};
+std::string default_world(const TrackedSequence& sequence) {
+  bool tracker = false;
+  bool reference = false;
+  const auto look = [&](const std::vector<Field>& fields) {
+    for (const Field& field : fields)
+      if (const auto name = transform_name(field.name)) {
+        reference = reference || name->from == "Reference" || name->to == "Reference";
+        tracker = tracker || name->from == "Tracker" || name->to == "Tracker";
+      }
+  };
+  look(sequence.fields);
+  for (const SequenceFrame& frame : sequence.frames) look(frame.fields);
+  return reference ? "Reference" : tracker ? "Tracker" : "";
 }
 
 SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config, const SweepRequest& request,
@@ -115,13 +124,16 @@ SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config,
     transforms = transforms_of(s.frames[i].fields, place);
     return shared.with(transforms, place);
   };
-  // The world is chosen once, from the whole recording: a frame without fields must not change it.
+  // For sentences: what there is where a frame has transforms at all.
   TransformGraph example = shared;
   for (int i = 0; i < s.frame_count(); ++i) {
     example = graph_of(i);
     if (!transforms.empty()) break;
   }
-  sweep.world = request.world.empty() ? default_world(example) : request.world;
+  sweep.world = request.world.empty() ? default_world(s) : request.world;
+  if (sweep.world.empty() && transforms.empty())
+    throw BadInput(
+        fmt::format("{}: there is no transform beside any of its pictures; name a tracked recording.", file));
   if (sweep.world.empty()) refuse_unreachable(example, sweep.world, file);
 
   make_grey(s, file, sweep.warnings);

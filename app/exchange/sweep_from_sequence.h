@@ -43,8 +43,9 @@ struct SequenceSweep {
 TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConfig* config,
                                  const std::string& file);
 
-// "Reference" if there is one, else "Tracker"; empty: neither.
-std::string default_world(const TransformGraph& graph);
+// "Reference" if a transform of the file, in any frame or its header, has it; else "Tracker"; empty: neither.
+// Configurations do not count: they may know of frames that were not tracked in this recording.
+std::string default_world(const TrackedSequence& sequence);
 
 // Every frame that has a picture and a usable way from Image to the world. RGB becomes luma (BT.601); samples
 // other than 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the

@@ -87,6 +87,13 @@ TEST(SweepFromSequence, ReferenceIsTheWorldWhereThereIsOne) {
   EXPECT_DOUBLE_EQ(sweep.frames[1].world_from_image.translation.z(), -9);
 }
 
+TEST(SweepFromSequence, AReferenceOfTheConfigurationAloneIsNotTheWorld) {
+  PlusConfig config = calibration();
+  config.transforms.push_back(config.transforms[0]);
+  config.transforms[1].name = {"Phantom", "Reference"};
+  EXPECT_EQ(sweep_of(straight(3), config).world, "Tracker");
+}
+
 TEST(SweepFromSequence, ADirectTransformNeedsNoCalibration) {
   auto read = straight(3);
   Eigen::Matrix4d direct = at_z(4);
