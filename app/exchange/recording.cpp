@@ -43,14 +43,13 @@ ReplayMaterial replay_material(ReadSequence&& read, const PlusConfig& config, co
 
   auto recording = std::make_shared<Recording>();
   const TransformGraph shared = shared_transforms(*sequence, &config, file);
-  std::string world;
+  const std::string world = default_world(*sequence);
   bool calibrated = false;
   std::optional<double> last;
   for (int i = 0; i < sequence->frame_count(); ++i) {
     const std::string place = fmt::format("{}, frame {}", file, i);
     const auto own = transforms_of(sequence->frames[i].fields, place);
     const TransformGraph graph = shared.with(own, place);
-    if (world.empty()) world = default_world(graph);
     const Stamp stamp = stamp_of(*sequence, i, last, file);
     const int bytes = colour ? 3 : 1;
     recording->frames.push_back({.data = sequence->frame_pixels(i).data(),
