@@ -10,10 +10,11 @@ namespace sonoband::bench {
 
 struct Case {
   std::string name;
-  double must_ms = 0;           // what is asked of us on the agreed machine; 0: nothing is
-  std::function<void()> ours;   // timed as a whole, several times over
-  std::function<void()> peer;   // empty: none
-  std::function<void()> begin;  // untimed, before the first of either; may be empty
+  double must_ms = 0;              // what is asked of us on the agreed machine; 0: nothing is
+  std::function<void()> ours;      // timed as a whole, several times over
+  std::function<void()> peer;      // empty: none
+  std::function<void()> begin;     // untimed, before the first of either; may be empty
+  std::function<double()> own_ms;  // instead of `ours`: a figure of its own, such as the worst of many planes
 };
 
 // Measures and prints every case whose name contains `filter`, and writes the same as JSON to `json_file`
