@@ -44,7 +44,9 @@ struct Rig {
     std::vector<Got> all;
     while (clock.now() < origin + time) {
       Frame f;
-      if (source.read(f, milliseconds(7)) == ReadStatus::ok) all.push_back({f, f.data[0]});
+      if (source.read(f, milliseconds(7)) != ReadStatus::ok) continue;
+      EXPECT_GE(clock.now(), f.arrived);
+      all.push_back({f, f.data[0]});
     }
     return all;
   }
