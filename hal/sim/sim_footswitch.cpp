@@ -42,8 +42,10 @@ void SimFootswitch::add_bouncing(Course& to, Stamp time, bool closed) {
   const auto draw = [this] { return uniform(settings_.seed, drawn_++); };
   while (to.changes.size() > to.next && to.changes.back().time > time) to.changes.pop_back();
   to.changes.push_back({time, closed});
-  const int swings = 2 * static_cast<int>(draw() * (settings_.bounces / 2 + 1));
+  const int most = settings_.bounces / 2 + 1;
+  const int swings = 2 * static_cast<int>(draw() * most);
   std::vector<double> moments;
+  moments.reserve(static_cast<std::size_t>(swings));
   for (int i = 0; i < swings; ++i) moments.push_back(draw());
   std::sort(moments.begin(), moments.end());
   for (int i = 0; i < swings; ++i) {

@@ -17,20 +17,17 @@ void smooth(std::vector<float>& field, int stride) {
   constexpr int reach = 5;
   constexpr double sigma = SpeckleField::sigma_mm / SpeckleField::voxel_mm;
   std::array<float, 2 * reach + 1> weight{};
-  for (int i = -reach; i <= reach; ++i) {
-    weight[static_cast<std::size_t>(i + reach)] = static_cast<float>(std::exp(-i * i / (2 * sigma * sigma)));
-  }
+  for (int i = -reach; i <= reach; ++i)
+    weight[i + reach] = static_cast<float>(std::exp(-i * i / (2 * sigma * sigma)));
   std::array<float, n> line{};
   for (int start = 0; start < n * n * n; ++start) {
     if ((start / stride) % n != 0) continue;
-    for (int i = 0; i < n; ++i)
-      line[static_cast<std::size_t>(i)] = field[static_cast<std::size_t>(start + i * stride)];
+    float* const first = field.data() + start;
+    for (int i = 0; i < n; ++i) line[i] = first[i * stride];
     for (int i = 0; i < n; ++i) {
       float sum = 0;
-      for (int k = -reach; k <= reach; ++k) {
-        sum += weight[static_cast<std::size_t>(k + reach)] * line[static_cast<std::size_t>((i + k + n) % n)];
-      }
-      field[static_cast<std::size_t>(start + i * stride)] = sum;
+      for (int k = -reach; k <= reach; ++k) sum += weight[k + reach] * line[(i + k + n) % n];
+      first[i * stride] = sum;
     }
   }
 }

@@ -31,7 +31,8 @@ class SpeckleField {
     const auto z = static_cast<std::int32_t>(p_mm.z() * per_mm + offset);
     // Each repeat is shifted, or the eye finds the lattice.
     const std::int32_t shifted = x + 23 * (y >> 6) + 41 * (z >> 6);
-    const Packed e = field_[static_cast<std::size_t>(((z & 63) * 64 + (y & 63)) * 64 + (shifted & 63))];
+    const std::int32_t index = ((z & 63) * 64 + (y & 63)) * 64 + (shifted & 63);
+    const Packed e = field_[static_cast<std::size_t>(index)];
     return {static_cast<float>(e.re) * scale, static_cast<float>(e.im) * scale};
   }
 
