@@ -12,6 +12,8 @@ int run_tool(int argc, const char* const* argv) {
   tool.require_subcommand(1);
   add_info(tool);
   add_render(tool);
+  add_manifold(tool);
+  add_flow(tool);
   add_voxels(tool);
   add_convert(tool);
   try {

@@ -12,6 +12,8 @@ namespace sonoband::tools {
 void add_info(CLI::App& tool);
 void add_convert(CLI::App& tool);
 void add_render(CLI::App& tool);
+void add_manifold(CLI::App& tool);
+void add_flow(CLI::App& tool);
 void add_voxels(CLI::App& tool);
 
 // The whole program: 0 success, 1 bad input, 2 wrong usage.
