@@ -331,7 +331,8 @@ void Link::begin_start(int tries, Stamp now) {
   deadline_ = now + first_record;
   waiting_since_ = now;
   Command start = command::reset_counters();
-  for (const std::uint8_t byte : command::start_continuous().bytes()) start.storage[start.size++] = byte;
+  const Command stream = command::start_continuous();
+  for (const std::uint8_t byte : stream.bytes()) start.storage[start.size++] = byte;
   send(start);
 }
 
