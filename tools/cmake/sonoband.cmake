@@ -17,9 +17,7 @@ if(SONOBAND_WERROR)
   target_compile_options(sonoband_flags INTERFACE -Werror)
 endif()
 if(SONOBAND_SANITIZE)
-  # GCC 12 takes the standard library's own std::regex for uninitialised once it is instrumented.
-  target_compile_options(sonoband_flags INTERFACE -fsanitize=${SONOBAND_SANITIZE} -fno-omit-frame-pointer
-    -Wno-maybe-uninitialized)
+  target_compile_options(sonoband_flags INTERFACE -fsanitize=${SONOBAND_SANITIZE} -fno-omit-frame-pointer)
   if(SONOBAND_SANITIZE MATCHES "undefined")
     target_compile_options(sonoband_flags INTERFACE -fno-sanitize-recover=undefined)
   endif()
