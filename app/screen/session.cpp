@@ -426,8 +426,7 @@ void Session::fill(ui::View& view) {
     double area = 0;
     if (item.finished && item.frame < static_cast<std::int32_t>(r.frames.size())) {
       const TrackedFrame& f = *r.frames[item.frame];
-      const double cell =
-          f.world_from_image.linear.col(0).cross(f.world_from_image.linear.col(1)).norm();
+      const double cell = f.world_from_image.linear.col(0).cross(f.world_from_image.linear.col(1)).norm();
       double twice = 0;
       for (std::size_t i = 0; i < item.points.size(); ++i) {
         const Eigen::Vector2d& a = item.points[i];

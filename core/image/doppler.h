@@ -8,9 +8,10 @@
 //
 // Keys are never averaged or interpolated as numbers.
 //   mean: if at least one sample is coloured, the mean of the velocities of all samples (grey counts as 0),
-//     rounded half away from zero; a mean of 0 gives the mean of the grey samples (0 if there is none). Without
-//     colour the mean of the greys. Grey means are rounded halves up.
-//   linear: of the up to 8 taps with their weights (sum 1), if the coloured ones weigh at least 1/2 the sample
+//     rounded half away from zero; a mean of 0 gives the mean of the grey samples (0 if there is none).
+//     Without colour the mean of the greys. Grey means are rounded halves up.
+//   linear: of the up to 8 taps with their weights (sum 1), if the coloured ones weigh at least 1/2 the
+//   sample
 //     has their weighted mean velocity, rounded half away from zero, 0 being the darkest red; else it is the
 //     weighted mean of the grey ones, rounded halves up.
 #pragma once
