@@ -1,5 +1,7 @@
 #include "hal/tracker/station_stream.h"
 
+#include <algorithm>
+
 namespace sonoband {
 
 using namespace liberty;
@@ -136,7 +138,7 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
 std::optional<Reading> StationStream::mark_missing(Stamp now) {
   if (!last_ || last_->quality == PoseQuality::missing) return std::nullopt;
   last_->quality = PoseQuality::missing;
-  last_->time += period_ / 2;
+  last_->time = std::min(last_->time + period_ / 2, std::max(now, last_->time + Duration(1)));
   last_->arrived = now;
   return Reading{station_, *last_};
 }

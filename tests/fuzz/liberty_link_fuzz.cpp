@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <span>
@@ -15,8 +16,13 @@ namespace {
 
 using namespace sonoband;
 
-void require(bool held) {
-  if (!held) std::abort();
+// Records that arrive at one instant after the newest time possible still follow each other, 1 ns apart.
+constexpr Duration one_by_one = std::chrono::microseconds(1);
+
+void require(bool held, const char* what) {
+  if (held) return;
+  std::fprintf(stderr, "not held: %s\n", what);
+  std::abort();
 }
 
 }  // namespace
@@ -58,18 +64,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     turns_without_time = now == last_turn && in.bytes.empty() ? turns_without_time + 1 : 0;
     last_turn = in.now = now;
     out = link.turn(in);
-    require(turns_without_time < 20);
-    require(out.write.size() <= 64);
-    require(operator_sentence(link.reason()) != nullptr);
+    require(turns_without_time < 20, "time goes on");
+    require(out.write.size() <= 64, "one transfer");
+    require(operator_sentence(link.reason()) != nullptr, "a sentence for each reason");
     for (const Reading& r : link.readings()) {
-      require(r.station >= 1 && r.station <= liberty::max_stations);
+      require(r.station >= 1 && r.station <= liberty::max_stations, "a station that exists");
       auto& previous = last[static_cast<std::size_t>(r.station)];
       const PoseSample& p = r.pose;
-      if (previous) require(p.time > previous->time && p.epoch >= previous->epoch);
+      if (previous)
+        require(p.time > previous->time && p.epoch >= previous->epoch, "in order of time and epoch");
       if (usable(p.quality)) {
-        require(p.tracker_from_probe.translation.allFinite());
-        require(is_rotation(p.tracker_from_probe.rotation, 1e-9));
-        require(p.time <= p.arrived);
+        require(p.tracker_from_probe.translation.allFinite(), "a finite place");
+        require(is_rotation(p.tracker_from_probe.rotation, 1e-9), "a rotation");
+        require(p.time <= p.arrived + one_by_one, "measured before it arrived");
       }
       previous = p;
     }

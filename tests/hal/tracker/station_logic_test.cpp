@@ -4,6 +4,7 @@
 #include "hal/tracker/frame_counter.h"
 #include "hal/tracker/pose_continuity.h"
 #include "hal/tracker/recovery_ladder.h"
+#include "hal/tracker/station_stream.h"
 
 namespace sonoband {
 namespace {
@@ -138,6 +139,36 @@ TEST_F(Continuity, AfterALongGapAnywhereIsConfirmedWithoutANewEpoch) {
 
 Stamp at(double s) {
   return Stamp(std::chrono::seconds(1000)) + from_seconds(s);
+}
+
+// Found by the fuzzer: half a period after a reading that came this instant lies in the future.
+TEST(StationStream, AMarkOfSilenceIsAfterTheLastReadingAndNeverAheadOfTheClock) {
+  const Duration period = from_seconds(1.0 / 240);
+  const Stamp start{std::chrono::seconds(1000)};
+  std::uint32_t next_epoch = 1;
+  StationStream stream;
+  stream.begin(1, LinkConfig{}, period, next_epoch, start);
+  LinkCounters counters;
+  LinkReason reason = LinkReason::none;
+  std::optional<Reading> last;
+  Stamp now = start;
+  for (std::uint32_t frame = 1; frame <= 60; ++frame) {
+    now = start + frame * period;
+    liberty::Record record;
+    record.position_mm = Eigen::Vector3d(100 + 0.1 * frame, 0, 0);
+    record.quaternion_wxyz = Eigen::Vector4d(1, 0, 0, 0);
+    record.frame = frame;
+    record.time_ms = ms(frame);
+    record.distortion = 0;
+    last = stream.take(record, now, counters, reason);
+  }
+  ASSERT_TRUE(last);
+  const std::optional<Reading> mark = stream.mark_missing(now + Duration(10));
+  ASSERT_TRUE(mark);
+  EXPECT_EQ(mark->pose.quality, PoseQuality::missing);
+  EXPECT_GT(mark->pose.time, last->pose.time);
+  EXPECT_LE(mark->pose.time, now + Duration(10));
+  EXPECT_FALSE(stream.mark_missing(now + Duration(20)));
 }
 
 TEST(RecoveryLadder, ClimbsWhileTroubleComesBackAndForgetsAfterTenGoodSeconds) {
