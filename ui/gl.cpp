@@ -2,6 +2,7 @@
 
 #include <GLES3/gl3.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -52,6 +53,19 @@ int take_errors(unsigned& last) {
     ++count;
   }
   return count;
+}
+
+Rgba read_pixels(int width, int height) {
+  Rgba out{width, height, {}};
+  const std::size_t row_bytes = static_cast<std::size_t>(width) * 4;
+  std::vector<std::uint8_t> upside_down(row_bytes * height);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
+  out.bytes.resize(upside_down.size());
+  for (int y = 0; y < height; ++y) {
+    std::copy_n(upside_down.data() + (height - 1 - y) * row_bytes, row_bytes, out.bytes.data() + y * row_bytes);
+  }
+  for (std::size_t i = 3; i < out.bytes.size(); i += 4) out.bytes[i] = 255;
+  return out;
 }
 
 }  // namespace sonoband::ui::gl

@@ -190,6 +190,7 @@ OutlineView Scene::view(const SceneInput& input, const Rect& window) {
     sweep_version_ = input.frames_version;
     send_frames(input);
   }
+  if (input.frames.empty() && input.probe) sweep_ = frame_of(*input.probe);
   return {sweep_, input.orbit, window};
 }
 

@@ -83,6 +83,10 @@ void Session::grow_sweep(const RunSweep& sweep, bool done) {
 }
 
 bool Session::let_go_oldest() {
+  if (deleted_) {
+    deleted_.reset();
+    return true;
+  }
   for (auto s = sweeps_.begin(); s != sweeps_.end(); ++s) {
     if (s->id == shown_) continue;
     sweeps_.erase(s);
@@ -297,13 +301,27 @@ void Session::apply(const ui::Command& command) {
               result_.reset();
               ++sweep_version_;
             }
-            std::erase_if(sweeps_, [&](const RunSweep& s) { return s.id == e.id; });
+            for (auto s = sweeps_.begin(); s != sweeps_.end(); ++s) {
+              if (s->id != e.id) continue;
+              deleted_ = std::move(*s);
+              sweeps_.erase(s);
+              break;
+            }
             selected_ = 0;
+          },
+          [&](const c::UndoDelete&) {
+            if (!deleted_) return;
+            const auto place = std::find_if(sweeps_.begin(), sweeps_.end(), [&](const RunSweep& s) { return s.id > deleted_->id; });
+            selected_ = deleted_->id;
+            sweeps_.insert(place, std::move(*deleted_));
+            deleted_.reset();
           },
           [&](const c::ScrollExams& by) {
             first_ = std::clamp(first_ + by.by, 0, static_cast<int>(sweeps_.size()));
           },
-          [&](const c::ChoosePedalMode& m) { pedal_mode_ = m.mode; },
+          [&](const c::ChoosePedalMode& m) {
+            if (m.mode != pedal_mode_) say("Hold or toggle is set in this machine's profile and changes at the next start.");
+          },
           [&](const c::SetSound& s) { sound_ = s.on; },
           [](const auto&) {},
       },
@@ -459,6 +477,7 @@ void Session::fill(ui::View& view) {
   view.exams.selected = selected_;
   view.exams.first = first_;
   view.exams.new_label = new_label_;
+  view.exams.can_undo_delete = deleted_.has_value();
   view.set_up.pedal_mode = pedal_mode_;
   view.set_up.sound = sound_;
 }

@@ -27,7 +27,7 @@ struct RunSweep {
 
 class Session {
  public:
-  explicit Session(RenderWorker& worker) : worker_(worker) {}
+  Session(RenderWorker& worker, ui::PedalMode pedal_mode) : worker_(worker), pedal_mode_(pedal_mode) {}
 
   // A sweep has started: the live page shows its band as it grows.
   void begin_sweep(std::uint64_t id);
@@ -35,6 +35,7 @@ class Session {
   void grow_sweep(const RunSweep& sweep, bool done);
   // The oldest sweep but the one shown is let go, to make room. False: there is none.
   bool let_go_oldest();
+  std::size_t sweep_count() const { return sweeps_.size() + (deleted_ ? 1 : 0); }
 
   // Carries out what belongs to it; the others (pedal, windows, quitting) are the caller's.
   void apply(const ui::Command& command);
@@ -78,7 +79,8 @@ class Session {
   void contour(const ui::Command& command);
 
   RenderWorker& worker_;
-  std::vector<RunSweep> sweeps_;  // newest last
+  std::vector<RunSweep> sweeps_;       // newest last
+  std::optional<RunSweep> deleted_;    // the last one, until another is deleted or room is needed
   std::uint64_t shown_ = 0;
   std::uint64_t growing_ = 0;
   std::uint64_t sweep_version_ = 1;
@@ -92,7 +94,7 @@ class Session {
   ui::Window full_ = ui::Window::none;
   ui::Orbit orbit_;
   ui::Look look_;
-  ui::PedalMode pedal_mode_ = ui::PedalMode::hold;
+  ui::PedalMode pedal_mode_;
   bool sound_ = true;
 
   ReslicePlane plane_;

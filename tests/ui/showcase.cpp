@@ -168,6 +168,9 @@ ui::View exams_view() {
   }};
   view.exams.exams = exams;
   view.exams.selected = 4;
+  static const std::array<std::string_view, 3> formats = {"MetaImage sequence (.mha)", "DICOM", "Pictures (.png)"};
+  static const std::array<std::string_view, 2> places = {"USB stick", "out/exports"};
+  view.exams.transfer = {formats, places, 0, 1, false, 0};
   return view;
 }
 
@@ -188,6 +191,7 @@ ui::View set_up_view() {
   view.set_up.capture_width = 1024;
   view.set_up.capture_height = 768;
   view.set_up.storage_place = "out/exams";
+  view.set_up.has_sound = true;
   view.set_up.version = "0.1.0";
   return view;
 }

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
+
+#include "ui/gl.h"
 
 namespace sonoband::ui {
 
@@ -109,20 +112,9 @@ void HeadlessSurface::resize(int width, int height) {
   egl_->make_framebuffer(width, height);
 }
 
-Rgba HeadlessSurface::read() const {
-  egl_->make_current();
-  glBindFramebuffer(GL_FRAMEBUFFER, egl_->framebuffer);
-  Rgba out{egl_->width, egl_->height, {}};
-  const std::size_t row_bytes = static_cast<std::size_t>(out.width) * 4;
-  std::vector<std::uint8_t> upside_down(row_bytes * out.height);
-  glReadPixels(0, 0, out.width, out.height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
-  out.bytes.resize(upside_down.size());
-  for (int y = 0; y < out.height; ++y) {
-    std::copy_n(upside_down.data() + (out.height - 1 - y) * row_bytes, row_bytes,
-                out.bytes.data() + y * row_bytes);
-  }
-  for (std::size_t i = 3; i < out.bytes.size(); i += 4) out.bytes[i] = 255;
-  return out;
+Rgba HeadlessSurface::read() {
+  begin_frame();
+  return gl::read_pixels(egl_->width, egl_->height);
 }
 
 }  // namespace sonoband::ui

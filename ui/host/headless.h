@@ -10,13 +10,6 @@
 
 namespace sonoband::ui {
 
-// 4 bytes a pixel (red, green, blue, 255), rows from the top, packed.
-struct Rgba {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> bytes;
-};
-
 class HeadlessSurface final : public Surface {
  public:
   // Throws std::runtime_error with one sentence when EGL or OpenGL ES 3 is not to be had.
@@ -29,10 +22,10 @@ class HeadlessSurface final : public Surface {
   void poll(Input& input, Stamp now, Duration wait) override;  // hands out what was injected; never waits
   void begin_frame() override;
   void end_frame() override;
+  Rgba read() override;  // also after end_frame
 
   void resize(int width, int height);
   Input& inject() { return injected_; }
-  Rgba read() const;  // the last frame
 
  private:
   struct Egl;

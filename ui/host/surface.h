@@ -55,6 +55,13 @@ struct Input {
   void clear();
 };
 
+// 4 bytes a pixel (red, green, blue, 255), rows from the top, packed.
+struct Rgba {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
 class Surface {
  public:
   virtual ~Surface() = default;
@@ -64,6 +71,7 @@ class Surface {
   virtual void poll(Input& input, Stamp now, Duration wait) = 0;
   virtual void begin_frame() = 0;  // its GL context and framebuffer are current afterwards
   virtual void end_frame() = 0;
+  virtual Rgba read() = 0;  // what was drawn; between begin_frame and end_frame
 };
 
 }  // namespace sonoband::ui

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ui/gl.h"
+
 namespace sonoband::ui {
 
 struct WindowSurface::State {
@@ -204,6 +206,11 @@ void WindowSurface::begin_frame() {
 
 void WindowSurface::end_frame() {
   glfwSwapBuffers(state_->window);
+}
+
+Rgba WindowSurface::read() {
+  const Vec2 size = size_px();
+  return gl::read_pixels(static_cast<int>(size.x), static_cast<int>(size.y));
 }
 
 void WindowSurface::toggle_full_screen() {

@@ -29,6 +29,7 @@ class WindowSurface final : public Surface {
   void poll(Input& input, Stamp now, Duration wait) override;
   void begin_frame() override;
   void end_frame() override;  // waits for the display's refresh
+  Rgba read() override;
 
   void toggle_full_screen();
   void wake();  // ends a poll that waits; from any thread

@@ -74,6 +74,20 @@ SweepFrame frame_of(std::span<const TrackedFrame* const> frames) {
   return sweep;
 }
 
+SweepFrame frame_of(const std::array<Eigen::Vector3d, 4>& corners) {
+  SweepFrame sweep;
+  sweep.centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  sweep.radius_mm = 0;
+  for (const Eigen::Vector3d& c : corners) sweep.radius_mm = std::max(sweep.radius_mm, (c - sweep.centre).norm());
+  const Eigen::Vector3d deep = (corners[3] - corners[0]).normalized();
+  Eigen::Vector3d across = corners[1] - corners[0];
+  across = (across - deep.dot(across) * deep).normalized();
+  sweep.axes.col(0) = across;
+  sweep.axes.col(1) = deep;
+  sweep.axes.col(2) = across.cross(deep);
+  return sweep;
+}
+
 OutlineView::OutlineView(const SweepFrame& sweep, const Orbit& orbit, const Rect& window) {
   // At rest the eye looks along the sweep's rows, so that the sweep's length runs across the window.
   const Eigen::Vector3d along = sweep.axes.col(2);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <span>
 
@@ -24,6 +25,8 @@ struct SweepFrame {
   double radius_mm = 50;                               // of a sphere round all corners
 };
 SweepFrame frame_of(std::span<const TrackedFrame* const> frames);
+// Of one B-scan, whose corners are in the order of corners_of.
+SweepFrame frame_of(const std::array<Eigen::Vector3d, 4>& corners);
 
 // Parallel projection: x right and y down in pixels of the window, depth grows away from the eye, in mm.
 class OutlineView {

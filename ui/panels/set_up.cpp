@@ -87,12 +87,14 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
                                hold ? t.hold_mode_words : t.toggle_mode_words);
   if (mode >= 0) ui.send(command::ChoosePedalMode{mode == 0 ? PedalMode::hold : PedalMode::toggle});
   right.cut_top(gap);
-  const int sound =
-      draw_either(ui, right.cut_top(either), t.sound,
-                  {{"set-up/sound-on", t.on, Icon::sound}, {"set-up/sound-off", t.off, Icon::silent}},
-                  s.sound ? 0 : 1, t.sound_words);
-  if (sound >= 0) ui.send(command::SetSound{sound == 0});
-  right.cut_top(gap);
+  if (s.has_sound) {
+    const int sound = draw_either(
+        ui, right.cut_top(either), t.sound,
+        {{"set-up/sound-on", t.on, Icon::sound}, {"set-up/sound-off", t.off, Icon::silent}}, s.sound ? 0 : 1,
+        t.sound_words);
+    if (sound >= 0) ui.send(command::SetSound{sound == 0});
+    right.cut_top(gap);
+  }
 
   const float line = ui.px(26);
   if (s.capture_width > 0) {
@@ -110,7 +112,7 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
                   Line(t.storage_line, {s.storage_place, number(view.status.storage.minutes_left, 0)}));
   right.cut_top(gap);
   if (right.height < ui.px(70)) return;
-  Rect about = panel(ui, "", right, t.about, "").inside;
+  Rect about = panel(ui, "", right, t.about, "").inside.inset(ui.px(4), 0);
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::ink, Line(t.about_line, {s.version}));
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::warning, t.research_only);
 }

@@ -1,0 +1,18 @@
+// From what the appliance says of itself to the lamps of the screen.
+#pragma once
+
+#include <array>
+
+#include "app/cart/appliance.h"
+#include "ui/view.h"
+
+namespace sonoband {
+
+// What the view borrows.
+using LossLines = std::array<ui::LossLine, ledger_line_count>;
+
+// `storage_minutes`: of recording that the disk still takes; `ring_seconds`: that the ring holds in all.
+void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds, LossLines& losses,
+                 ui::StatusView& view);
+
+}  // namespace sonoband
