@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "app/cart_on_board.h"
 #include "app/exchange/recording.h"
 #include "app/exchange/sequence_file.h"
+#include "app/screen/run.h"
 #include "app/script/examination.h"
 #include "app/workers.h"
 #include "hal/sim/virtual_clock.h"
@@ -24,8 +26,15 @@ struct Options {
   std::string calibration;
   std::string script;
   std::string out = "out";
+  std::string shots;
+  std::string size = "1280x800";
+  float scale = 1;
+  bool full_screen = false;
   bool headless = false;
   bool real_time = false;
+
+  // A script needs nobody to watch it.
+  bool window() const { return !headless && script.empty() && std::getenv("DISPLAY") != nullptr; }
 };
 
 BoardDevices make_board(const Options& options, const Profile& profile, Clock& clock) {
@@ -54,34 +63,30 @@ void print_losses(const nlohmann::ordered_json& ledger) {
   std::printf("\n");
 }
 
-int examine(const Options& options) {
-  const Profile profile = options.config.empty() ? Profile{} : read_profile(options.config);
-  const std::string script_name = options.script.empty() ? "the default script" : options.script;
-  const auto steps = options.script.empty() ? script::parse(script::default_text(), script_name)
-                                            : script::read(options.script);
-  std::filesystem::create_directories(options.out);
-
-  std::shared_ptr<Clock> clock;
-  if (options.real_time) {
-    clock = std::make_shared<SystemClock>();
-  } else {
-    clock = std::make_shared<sim::VirtualClock>();
+ScreenOptions screen_options(const Options& options, const Profile& profile) {
+  ScreenOptions screen;
+  int used = 0;
+  if (std::sscanf(options.size.c_str(), "%dx%d%n", &screen.width, &screen.height, &used) != 2 ||
+      used != static_cast<int>(options.size.size()) || screen.width < 640 || screen.height < 480 ||
+      screen.width > 8192 || screen.height > 8192) {
+    throw BadInput("--size " + options.size + ": write width x height in pixels from 640x480 to 8192x8192");
   }
-  BoardDevices board = make_board(options, profile, *clock);
-  const auto cart = make_appliance(board, profile, clock);
-  if (!cart->memory_warning().empty()) std::fprintf(stderr, "sonoband: %s\n", cart->memory_warning().c_str());
-  Workers workers(static_cast<int>(std::thread::hardware_concurrency()));
+  screen.full_screen = options.full_screen;
+  screen.scale = options.scale;
+  screen.shots = options.shots.empty() ? options.out : options.shots;
+  screen.pedal = profile.pedal.mode;
+  screen.version = SONOBAND_VERSION;
+  return screen;
+}
 
+void examine(const Options& options, const std::vector<script::Step>& steps, const std::string& script_name,
+             const BoardDevices& board, cart::Appliance& cart) {
+  std::filesystem::create_directories(options.out);
   std::printf("A scripted examination on the board %s; pictures go to %s\n", board.board.c_str(),
               options.out.c_str());
-  nlohmann::ordered_json summary;
-  {
-    const ClockMember member(*clock);
-    cart->start();
-    script::Stage stage{*cart, board.foot, board.views, *clock, workers, options.out};
-    summary = script::run(steps, script_name, stage);
-    cart->stop();
-  }
+  Workers workers(static_cast<int>(std::thread::hardware_concurrency()));
+  script::Stage stage{cart, board.foot, board.views, cart.clock(), workers, options.out};
+  nlohmann::ordered_json summary = script::run(steps, script_name, stage);
   summary["board"] = board.board;
   summary["note"] = "Research use only.";
   const std::filesystem::path file = std::filesystem::path(options.out) / "summary.json";
@@ -91,6 +96,38 @@ int examine(const Options& options) {
     throw BadInput(file.string() + ": the summary cannot be written; choose another --out folder");
   print_losses(summary["ledger"]);
   std::printf("The pictures and the summary are in %s\n", std::filesystem::absolute(options.out).c_str());
+}
+
+int run(const Options& options) {
+  const Profile profile = options.config.empty() ? Profile{} : read_profile(options.config);
+  const ScreenOptions screen = screen_options(options, profile);
+  const bool window = options.window();
+  if (!window && !options.headless && options.script.empty())
+    std::printf("No display: DISPLAY is not set, so a scripted examination runs without a window\n");
+  const std::string script_name = options.script.empty() ? "the default script" : options.script;
+  const auto steps = options.script.empty() ? script::parse(script::default_text(), script_name)
+                                            : script::read(options.script);
+
+  std::shared_ptr<Clock> clock;
+  if (window || options.real_time) {
+    clock = std::make_shared<SystemClock>();
+  } else {
+    clock = std::make_shared<sim::VirtualClock>();
+  }
+  BoardDevices board = make_board(options, profile, *clock);
+  const auto cart = make_appliance(board, profile, clock);
+  if (!cart->memory_warning().empty()) std::fprintf(stderr, "sonoband: %s\n", cart->memory_warning().c_str());
+  const ClockMember member(*clock);
+  cart->start();
+  if (window) {
+    run_window(*cart, board.foot, screen);
+  } else if (script::needs_screen(steps)) {
+    run_headless(*cart, board.foot, screen, steps, script_name);
+    std::printf("Played %s; its pictures are in %s\n", script_name.c_str(), screen.shots.c_str());
+  } else {
+    examine(options, steps, script_name, board, *cart);
+  }
+  cart->stop();
   return 0;
 }
 
@@ -105,14 +142,21 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--config", options.config, "the machine's profile (TOML); board/README.md lists its keys");
   app.add_option("--calibration", options.calibration, "PLUS configuration (XML) for a replay");
-  app.add_flag("--headless", options.headless, "run a scripted examination without a window");
-  app.add_option("--script", options.script, "the examination to run; app/script/script.h has its language");
+  app.add_option("--size", options.size, "of the window, pixels")->capture_default_str();
+  app.add_flag("--fullscreen", options.full_screen, "fill the display");
+  app.add_option("--scale", options.scale, "of everything on the screen")
+      ->check(CLI::Range(0.5F, 4.0F))
+      ->capture_default_str();
+  app.add_option("--shots", options.shots, "folder for snapshots of the screen; without it, --out");
+  app.add_flag("--headless", options.headless, "no window: run a script");
+  app.add_option("--script", options.script,
+                 "what to run without a window; app/script/script.h has its language");
   app.add_option("--out", options.out, "folder for pictures and the summary")->capture_default_str();
   app.add_flag("--real-time", options.real_time,
                "simulate at the speed of the clock, not as fast as possible");
   try {
     app.parse(argc, argv);
-    return examine(options);
+    return run(options);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {

@@ -170,6 +170,12 @@ Screen::Screen(const ScreenSettings& settings, const FontFiles& fonts, const Tex
 Screen::~Screen() = default;
 
 const Commands& Screen::frame(const View& view, const Input& input, Stamp now, Vec2 size) {
+  build(view, input, now, size);
+  submit();
+  return parts_->commands;
+}
+
+const Commands& Screen::build(const View& view, const Input& input, Stamp now, Vec2 size) {
   Parts& p = *parts_;
   ImGui::SetCurrentContext(p.context);
   p.commands.clear();
@@ -204,8 +210,13 @@ const Commands& Screen::frame(const View& view, const Input& input, Stamp now, V
   send_shortcuts(ui, view, input);
   draw_screen(ui, view);
   ImGui::Render();
+  return p.commands;
+}
 
-  glViewport(0, 0, static_cast<GLsizei>(size.x), static_cast<GLsizei>(size.y));
+void Screen::submit() {
+  Parts& p = *parts_;
+  ImGui::SetCurrentContext(p.context);
+  glViewport(0, 0, static_cast<GLsizei>(p.frame.screen_width), static_cast<GLsizei>(p.frame.screen_height));
   glDisable(GL_SCISSOR_TEST);
   glClearColor(0, 0, 0, 1);
   glClear(GL_COLOR_BUFFER_BIT);
@@ -216,7 +227,6 @@ const Commands& Screen::frame(const View& view, const Input& input, Stamp now, V
   ++p.counts.frames;
   p.counts.uploads = p.pictures->uploads();
   p.counts.scenes = p.scene->renders();
-  return p.commands;
 }
 
 bool Screen::wants_frame() const {

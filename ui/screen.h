@@ -33,6 +33,9 @@ class Screen {
   // the commands returned, valid until the next call. `now` is the time of the frame on the clock of the
   // contacts.
   const Commands& frame(const View& view, const Input& input, Stamp now, Vec2 size);
+  // The two halves of it, to be timed apart: the panels' drawing commands, then the driver's work for them.
+  const Commands& build(const View& view, const Input& input, Stamp now, Vec2 size);
+  void submit();
 
   // A finger rests and a long press may come of it: make another frame though nothing happens.
   bool wants_frame() const;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/geometry/plane.h"
+#include "core/manifold/plane_point.h"
 #include "core/reslice/band.h"
 #include "core/sweep/pose_sample.h"
 #include "core/sweep/tracked_frame.h"
@@ -156,8 +157,8 @@ struct ContourView {
 struct CurveView {
   std::span<const Eigen::Vector2d> vertices;  // that the user can drag
   std::span<const Eigen::Vector2d> line;      // c(s), smoothed
-  std::span<const Eigen::Vector2d> upwind;    // c_u(s): the band's extreme curves
-  std::span<const Eigen::Vector2d> downwind;  // c_d(s)
+  std::span<const PlaneLine> up;              // c_u(s): the band's extreme curves, each in unbroken runs
+  std::span<const PlaneLine> down;            // c_d(s)
   struct Smear {
     double from_mm = 0;  // arc length along c(s)
     double to_mm = 0;

@@ -15,7 +15,8 @@ namespace sonoband {
 namespace {
 
 constexpr Duration growth_every = std::chrono::milliseconds(120);
-constexpr Duration status_every = std::chrono::milliseconds(200);
+constexpr Duration numbers_every = std::chrono::seconds(1);  // of the lamps, while nothing else is drawn
+constexpr Duration disk_every = std::chrono::seconds(5);
 constexpr std::size_t most_sweeps = 6;  // the ring holds 8, one of them grows
 constexpr double room_s = 15;           // of new recording that old sweeps must make way for
 
@@ -28,11 +29,11 @@ std::string local_time() {
   return text.data();
 }
 
-double minutes_on_disk(const std::filesystem::path& folder, double bytes_per_s) {
+std::uintmax_t bytes_on_disk(const std::filesystem::path& folder) {
   std::error_code error;
-  const auto space = std::filesystem::space(std::filesystem::exists(folder) ? folder : std::filesystem::current_path(), error);
-  if (error || bytes_per_s <= 0) return 0;
-  return static_cast<double>(space.available) / bytes_per_s / 60;
+  const bool there = std::filesystem::exists(folder, error);
+  const auto space = std::filesystem::space(there ? folder : std::filesystem::current_path(error), error);
+  return error ? 0 : space.available;
 }
 
 int threads_for_rendering() {
@@ -41,20 +42,22 @@ int threads_for_rendering() {
 
 }  // namespace
 
-ScreenLoop::ScreenLoop(cart::Appliance& cart, const std::function<bool(bool down)>& foot, const ScreenOptions& options,
-                       ui::Surface& surface)
+ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
+                       ui::Surface& surface, std::function<void()> rendered)
     : cart_(cart),
       foot_(foot),
       options_(options),
       surface_(surface),
-      worker_(threads_for_rendering()),
-      session_(worker_, options.toggle_pedal ? ui::PedalMode::toggle : ui::PedalMode::hold),
-      screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale}), load_fonts(), ui::Texts{}) {}
+      worker_(threads_for_rendering(), std::move(rendered)),
+      session_(worker_, options.pedal == PedalMode::toggle ? ui::PedalMode::toggle : ui::PedalMode::hold),
+      screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale}), load_fonts(),
+              ui::Texts{}) {}
 
 void ScreenLoop::measure_speed(const TrackedFrame& frame) {
   if (frame.pose_status != PoseStatus::ok) return;
   const Eigen::Vector3d centre(0.5 * frame.bscan.pixels.width, 0.5 * frame.bscan.pixels.height, 0);
-  const Motion now{(frame.world_from_image * Point<frame::Image>{centre}).v, frame.world_from_image.linear.col(2), frame.captured};
+  const Motion now{(frame.world_from_image * Point<frame::Image>{centre}).v,
+                   frame.world_from_image.linear.col(2), frame.captured};
   if (motion_ && now.at > motion_->at) {
     const double dt = seconds(now.at - motion_->at);
     if (dt < 0.1) return;  // shorter is the tracker's noise
@@ -85,7 +88,8 @@ void ScreenLoop::follow_sweep(Stamp now) {
   if (!released) return;
   growing_.reset();
   const cart::ApplianceStatus& status = cart_.status();
-  while (session_.sweep_count() > most_sweeps || (status.cart.ring_seconds > 0 && status.cart.ring_seconds < room_s)) {
+  while (session_.sweep_count() > most_sweeps ||
+         (status.cart.ring_seconds > 0 && status.cart.ring_seconds < room_s)) {
     if (!session_.let_go_oldest()) break;
     if (session_.sweep_count() <= most_sweeps) break;  // the ring's own count follows a moment later
   }
@@ -93,75 +97,123 @@ void ScreenLoop::follow_sweep(Stamp now) {
 
 bool ScreenLoop::listen(Stamp now) {
   const cart::ApplianceStatus& status = cart_.status();
-  bool news = status.cart.state != state_;
+  const Lamps lamps{status.frames.health.state,
+                    status.tracker.health.state,
+                    status.pedal.health.state,
+                    status.cart.state,
+                    status.frozen,
+                    status.cart.pedal_down,
+                    status.cart.acquisition.pose_quality};
+  bool news = lamps != lamps_;
+  lamps_ = lamps;
   state_ = status.cart.state;
-  follow_sweep(now);
-  session_.tick(now);
-  if (!next_status_ || now >= *next_status_) {
-    next_status_ = now + status_every;
+  if (status.cart.note != cart::Note::none && status.cart.noted != noted_) {
+    noted_ = status.cart.noted;
+    session_.say(cart::sentence_of(status.cart.note));
     news = true;
   }
+  follow_sweep(now);
+  session_.tick(now);
+  if (!next_numbers_ || now >= *next_numbers_) {
+    next_numbers_ = now + numbers_every;
+    news = true;
+  }
+  if (session_.page() == ui::Page::live) {
+    const FrameLease lease = cart_.latest();
+    news = news || (lease && lease.frame().tracked.captured != drawn_picture_);
+  }
   const auto result = worker_.newest();
-  const bool live = session_.page() == ui::Page::live;
-  return news || session_.moving() || screen_.wants_frame() || (result && result->version != drawn_result_) ||
-         (live && status.cart.ring.published != drawn_picture_) || state_ == cart::State::recording;
+  return news || session_.moving() || session_.changed() || screen_.wants_frame() ||
+         (result && result->version != drawn_result_);
 }
 
-void ScreenLoop::draw(const ui::Input& input, Stamp now) {
-  const cart::ApplianceStatus& status = cart_.status();
-  const RingSettings& ring = cart_.ring().settings();
-  const double fps = std::max(1.0, status.cart.acquisition.frames_hz);
-  view_ = {};
-  fill_status(status, minutes_on_disk(options_.shots, fps * ring.width * ring.height), ring.slots / fps, losses_,
-              view_.status);
-  view_.status.pedal.mode = session_.pedal_mode();
+Duration ScreenLoop::may_sleep() const {
+  // A picture comes every 16 to 40 ms on the Live page; looking every 4 shows it within a frame.
+  const bool awake = session_.page() == ui::Page::live || session_.moving() || screen_.wants_frame();
+  return awake ? std::chrono::milliseconds(4) : std::chrono::milliseconds(40);
+}
 
-  const FrameLease lease = cart_.latest();
+void ScreenLoop::fill_live(Stamp now, double fps) {
   ui::LiveView& live = view_.live;
-  if (lease) {
-    const SweepFrame& newest = lease.frame();
-    live.picture = {newest.tracked.bscan.pixels, {}, newest.tracked.bscan.kind, status.cart.ring.published};
-    // The stamp itself is the version: published counts ahead of the status.
-    live.picture.version = static_cast<std::uint64_t>(newest.tracked.captured.time_since_epoch().count());
-    if (newest.tracked.pose_status == PoseStatus::ok) live.pose = newest.tracked.world_from_image;
-    view_.status.scanner.age_ms = seconds(now - newest.tracked.captured) * 1e3;
-    measure_speed(newest.tracked);
+  const cart::ApplianceStatus& status = cart_.status();
+  // The probe's picture is drawn from the lease, so it stays out until the frame is made.
+  lease_ = cart_.latest();
+  if (lease_) {
+    const TrackedFrame& newest = lease_.frame().tracked;
+    const auto captured = newest.captured.time_since_epoch().count();
+    live.picture = {newest.bscan.pixels, {}, newest.bscan.kind, static_cast<std::uint64_t>(captured)};
+    if (newest.pose_status == PoseStatus::ok) live.pose = newest.world_from_image;
+    view_.status.scanner.age_ms = seconds(now - newest.captured) * 1e3;
+    drawn_picture_ = newest.captured;
+    measure_speed(newest);
   }
-  const bool silent = view_.status.scanner.health == ui::Health::absent || view_.status.scanner.health == ui::Health::silent;
-  if (silent) live.picture = {};  // an old picture must not pass for a live one
-  drawn_picture_ = status.cart.ring.published;
+  const ui::Health scanner = view_.status.scanner.health;
+  // An old picture must not pass for a live one.
+  if (scanner == ui::Health::absent || scanner == ui::Health::silent) live.picture = {};
   live.recording = state_ == cart::State::recording;
   live.first_time = !recorded_;
   live.widest_gap_mm = options_.beam_width_mm;
   live.seconds_left = status.cart.ring_seconds;
-  if (live.recording) {
-    live.recorded = now - status.cart.recording_since;
-    live.speed_mm_s = speed_mm_s_;
-    live.gap_mm = speed_mm_s_ / fps;
-    if (growing_) live.frames = static_cast<std::int64_t>(growing_->swept().size());
+  if (!live.recording) return;
+  live.recorded = now - status.cart.recording_since;
+  live.speed_mm_s = speed_mm_s_;
+  live.gap_mm = speed_mm_s_ / fps;
+  if (growing_) live.frames = static_cast<std::int64_t>(growing_->swept().size());
+}
+
+void ScreenLoop::fill(Stamp now) {
+  const cart::ApplianceStatus& status = cart_.status();
+  const RingSettings& ring = cart_.ring().settings();
+  const double fps = std::max(1.0, status.cart.acquisition.frames_hz);
+  view_ = {};
+  if (!disk_asked_ || now - *disk_asked_ > disk_every) {
+    disk_asked_ = now;
+    disk_bytes_ = bytes_on_disk(options_.shots);
   }
+  const double minutes = static_cast<double>(disk_bytes_) / (fps * ring.width * ring.height * 60);
+  fill_status(status, minutes, ring.slots / fps, losses_, view_.status);
+  view_.status.pedal.mode = session_.pedal_mode();
+  fill_live(now, fps);
   view_.set_up.version = options_.version;
-  const std::string place = options_.shots.string();
-  view_.set_up.storage_place = place;
-  const std::array<ui::DeviceLine, 3> devices = {
-      {{"Scanner", view_.status.scanner.reason, view_.status.scanner.health},
-       {"Tracker", view_.status.tracker.reason, view_.status.tracker.health},
-       {"Pedal", view_.status.pedal.reason, view_.status.pedal.health}}};
-  view_.set_up.devices = devices;
+  view_.set_up.storage_place = options_.shots.native();
+  devices_ = {{{"Scanner", view_.status.scanner.reason, view_.status.scanner.health},
+               {"Tracker", view_.status.tracker.reason, view_.status.tracker.health},
+               {"Pedal", view_.status.pedal.reason, view_.status.pedal.health}}};
+  view_.set_up.devices = devices_;
   session_.fill(view_);
   if (const auto result = worker_.newest()) drawn_result_ = result->version;
+}
 
+void ScreenLoop::draw(const ui::Input& input, Stamp now) {
+  using Steady = std::chrono::steady_clock;
+  const auto t0 = Steady::now();
+  fill(now);
+  const auto t1 = Steady::now();
   surface_.begin_frame();
-  const ui::Commands& commands = screen_.frame(view_, input, now, surface_.size_px());
+  const ui::Commands& commands = screen_.build(view_, input, now, surface_.size_px());
+  const auto t2 = Steady::now();
+  screen_.submit();
+  const auto t3 = Steady::now();
   for (const ui::Command& command : commands) carry_out(command);
   if (input.close) quits_ = true;
-  if (const auto window = session_.take_snapshot()) {
-    constexpr std::array<std::string_view, 5> parts = {"", "review/picture", "reslice/picture", "manifold/picture", "outline/picture"};
-    const std::string file = "snapshot-" + std::to_string(++snapshots_) + ".png";
-    save(file, parts[static_cast<std::size_t>(*window)]);
-    session_.say("Saved " + (options_.shots / file).string());
-  }
+  // At once, not with the next frame: the worker paints while this one is shown.
+  session_.ask_if_changed();
+  if (const auto window = session_.take_snapshot()) take_snapshot(*window);
+  lease_ = {};
+  times_ = {t1 - t0, t2 - t1, t3 - t2, Steady::now() - t3};
   surface_.end_frame();
+}
+
+void ScreenLoop::take_snapshot(ui::Window window) {
+  constexpr std::array<std::string_view, 5> parts = {"", "review/picture", "reslice/picture",
+                                                     "manifold/picture", "outline/picture"};
+  std::error_code error;
+  std::string file;
+  do {
+    file = "snapshot-" + std::to_string(++snapshots_) + ".png";
+  } while (std::filesystem::exists(options_.shots / file, error));
+  save(file, parts[static_cast<std::size_t>(window)]);
+  session_.say("Saved as " + (options_.shots / file).string() + ".");
 }
 
 void ScreenLoop::press(bool down) {

@@ -1,6 +1,7 @@
 // One turn of the screen: news of the cart into the view, the view onto the surface, commands carried out.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,8 +17,9 @@ namespace sonoband {
 
 class ScreenLoop {
  public:
-  ScreenLoop(cart::Appliance& cart, const std::function<bool(bool down)>& foot, const ScreenOptions& options,
-             ui::Surface& surface);
+  // `rendered` is called on another thread when a rendering is done, for a surface that sleeps.
+  ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, ui::Surface& surface,
+             std::function<void()> rendered = {});
 
   // Takes what the cart has to say. True: there is something new to draw.
   bool listen(Stamp now);
@@ -26,7 +28,20 @@ class ScreenLoop {
 
   bool quits() const { return quits_; }
   bool wants_full_screen_toggle() { return std::exchange(toggle_, false); }
-  bool rendering() const { return worker_.busy(); }
+  void wait_for_renderings() const { worker_.wait(); }
+  // How long nothing can be missed by sleeping, input and finished renderings aside.
+  Duration may_sleep() const;
+
+  // What the last draw took, for the speed table.
+  struct Times {
+    Duration view{};    // the cart's and the session's news into the view
+    Duration panels{};  // the panels' drawing commands
+    Duration gl{};  // pictures sent, the driver's work for the frame; with a software rasteriser all of it
+    Duration commands{};
+  };
+  const Times& times() const { return times_; }
+  const RenderWorker& worker() const { return worker_; }
+  const Session& session() const { return session_; }
   const ui::Screen& screen() const { return screen_; }
   cart::State state() const { return state_; }
   // Pixels of the last frame, or of the widget called `part` of it, to this file in the shots folder.
@@ -38,13 +53,24 @@ class ScreenLoop {
     Eigen::Vector3d normal;
     Stamp at{};
   };
+  // What the lamps show of the devices; a change is drawn at once.
+  struct Lamps {
+    DeviceState scanner{}, tracker{}, pedal{};
+    cart::State state{};
+    bool frozen = false, pedal_down = false;
+    PoseQuality quality{};
+    bool operator==(const Lamps&) const = default;
+  };
+  void fill(Stamp now);
+  void fill_live(Stamp now, double fps);
+  void take_snapshot(ui::Window window);
   void carry_out(const ui::Command& command);
   void press(bool down);
   void follow_sweep(Stamp now);
   void measure_speed(const TrackedFrame& frame);
 
   cart::Appliance& cart_;
-  std::function<bool(bool)> foot_;
+  Foot foot_;
   ScreenOptions options_;
   ui::Surface& surface_;
   RenderWorker worker_;
@@ -55,11 +81,18 @@ class ScreenLoop {
   std::shared_ptr<Sweep> growing_;
   std::optional<Stamp> next_growth_;
   cart::State state_ = cart::State::idle;
-  std::uint64_t drawn_picture_ = 0;
+  Lamps lamps_;
+  FrameLease lease_;  // while a frame is made
+  std::array<ui::DeviceLine, 3> devices_{};
+  std::uintmax_t disk_bytes_ = 0;
+  std::optional<Stamp> disk_asked_;
+  Stamp noted_{};
+  Stamp drawn_picture_{};
   std::uint64_t drawn_result_ = 0;
-  std::optional<Stamp> next_status_;
+  std::optional<Stamp> next_numbers_;
   std::optional<Motion> motion_;
   double speed_mm_s_ = 0;
+  Times times_;
   bool recorded_ = false;  // in this run
   bool button_started_ = false;
   bool quits_ = false;

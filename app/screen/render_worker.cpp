@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <utility>
 
 #include "app/workers.h"
-#include "core/manifold/flow.h"
 
 namespace sonoband {
 namespace {
 
-// Runs what is left of a job as nothing once it is overtaken. The picture is then rubbish and is thrown away.
+// Runs what is left of a job as nothing once it is overtaken. What comes of it is rubbish and is thrown away.
 class Stoppable final : public Parallel {
  public:
-  Stoppable(Parallel& inner, const std::atomic<bool>& stop) : inner_(inner), stop_(stop) {}
+  Stoppable(Parallel& inner, const StopFlag& stop) : inner_(inner), stop_(stop) {}
   int width() const override { return inner_.width(); }
   void for_each(int count, const std::function<void(int)>& body) override {
     inner_.for_each(count, [&](int i) {
@@ -24,7 +22,7 @@ class Stoppable final : public Parallel {
 
  private:
   Parallel& inner_;
-  const std::atomic<bool>& stop_;
+  const StopFlag& stop_;
 };
 
 ReslicePlane halved(const ReslicePlane& plane) {
@@ -36,33 +34,14 @@ ReslicePlane halved(const ReslicePlane& plane) {
   return out;
 }
 
-std::vector<Eigen::Vector2d> joined(const FlowLayer& layer) {
-  std::vector<Eigen::Vector2d> all;
-  for (const PlaneLine& run : layer.front) all.insert(all.end(), run.begin(), run.end());
-  return all;
-}
-
-// Where neighbouring rulings of an outermost layer stand closer than a quarter of their distance on the
-// curve, they show the same pixels: the paper's smearing.
-std::vector<Stretch> smears(const CurveFlow& flow, double spacing_mm) {
-  const int rulings = static_cast<int>(flow.rulings.size());
+// Columns, neighbours of which are pixel_mm apart on the curve, as stretches of it.
+std::vector<Stretch> stretches(const std::vector<std::uint8_t>& smeared, double pixel_mm) {
   std::vector<Stretch> found;
-  constexpr double squeezed = 0.25;
-  const auto smeared = [&](int r) {
-    for (const FlowLayer* layer : {&flow.layers.front(), &flow.layers.back()}) {
-      if (layer->k == 0 || !layer->feet[r] || !layer->feet[r + 1]) continue;
-      if ((*layer->feet[r + 1] - *layer->feet[r]).norm() < squeezed * spacing_mm) return true;
-    }
-    return false;
-  };
-  for (int r = 0; r + 1 < rulings; ++r) {
-    if (!smeared(r)) continue;
-    const double from = r * spacing_mm;
-    if (!found.empty() && from - found.back().to_mm < 2 * spacing_mm) {
-      found.back().to_mm = from + spacing_mm;
-    } else {
-      found.push_back({from, from + spacing_mm});
-    }
+  for (std::size_t column = 0; column < smeared.size(); ++column) {
+    if (smeared[column] == 0) continue;
+    const double at = static_cast<double>(column) * pixel_mm;
+    if (column == 0 || smeared[column - 1] == 0) found.push_back({at, at});
+    found.back().to_mm = at;
   }
   return found;
 }
@@ -83,57 +62,15 @@ BandImage transposed(const BandImage& in) {
   return out;
 }
 
-}  // namespace
-
-ManifoldPicture unroll(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                       const std::vector<Eigen::Vector2d>& curve_mm, double reach_mm, Parallel& parallel) {
-  ManifoldPicture out;
-  const double pixel_mm = settings.band.step_mm;
-  CurveSettings as_drawn;
-  as_drawn.pixel_mm = pixel_mm;
-  as_drawn.smooth_px = 0;  // the stroke was smoothed as it was drawn
-  const CurveResult made = make_curve(curve_mm, as_drawn);
-  if (made.fault != CurveFault::none || !(reach_mm > 0)) return out;
-  FlowSettings how;
-  how.step_mm = pixel_mm;
-  how.layers = std::min(max_flow_layers, (settings.band.layers() - 1) / 2);
-  how.ruling_mm = pixel_mm;
-  const CurveFlow flow = flow_curve(made.curve, how, parallel);
-  const int rows = static_cast<int>(flow.rulings.size());
-  if (rows == 0) return out;
-
-  LineBundle bundle;
-  bundle.rows = rows;
-  bundle.layers = static_cast<int>(flow.layers.size());
-  bundle.samples = 2 * static_cast<int>(std::lround(reach_mm / pixel_mm)) + 1;
-  const Eigen::Vector3d normal = plane.normal().v;
-  bundle.step.v = pixel_mm * normal;
-  const Eigen::Vector3d first = -0.5 * (bundle.samples - 1) * bundle.step.v;
-  bundle.starts.resize(static_cast<std::size_t>(rows) * bundle.layers);
-  bundle.present.resize(bundle.starts.size());
-  for (int l = 0; l < bundle.layers; ++l) {
-    for (int r = 0; r < rows; ++r) {
-      const std::size_t at = static_cast<std::size_t>(r) * bundle.layers + l;
-      const auto& foot = flow.layers[l].feet[r];
-      bundle.present[at] = foot ? 1 : 0;
-      if (foot)
-        bundle.starts[at].v = plane.origin.v + foot->x() * plane.right.v + foot->y() * plane.down.v + first;
-    }
-  }
-  out.band = transposed(render_lines(sweep, bundle, settings, parallel));
-  out.pixel_mm = pixel_mm;
-  out.length_mm = length_mm(made.curve);
-  out.layers = bundle.layers;
-  out.thickness_mm = settings.band.thickness_mm;
-  if (how.layers > 0) {
-    out.upwind = joined(flow.layers.back());
-    out.downwind = joined(flow.layers.front());
-    out.smeared = smears(flow, rows > 1 ? out.length_mm / (rows - 1) : out.length_mm);
-  }
-  return out;
+using SteadyClock = std::chrono::steady_clock;
+double ms_since(SteadyClock::time_point begun) {
+  return std::chrono::duration<double, std::milli>(SteadyClock::now() - begun).count();
 }
 
-RenderWorker::RenderWorker(int threads) : threads_(std::max(1, threads)), thread_([this] { serve(); }) {}
+}  // namespace
+
+RenderWorker::RenderWorker(int threads, std::function<void()> finished)
+    : threads_(std::max(1, threads)), finished_(std::move(finished)), thread_([this] { serve(); }) {}
 
 RenderWorker::~RenderWorker() {
   {
@@ -166,19 +103,74 @@ bool RenderWorker::busy() const {
   return working_ || next_.has_value();
 }
 
+void RenderWorker::wait() const {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [&] { return !working_ && !next_; });
+}
+
 RenderWorker::Counts RenderWorker::counts() const {
   const std::lock_guard lock(mutex_);
   return counts_;
 }
 
+std::optional<ManifoldPicture> RenderWorker::unroll(const RenderRequest& job, PreparedSweep& sweep,
+                                                    const ReslicePlane& plane, const RenderSettings& settings,
+                                                    Flow& kept, Parallel& parallel) const {
+  const int layers = settings.band.layers();
+  if (kept.curve_mm != job.curve_mm || kept.pixel_mm != plane.pixel_mm || kept.layers != layers) {
+    CurveSettings as_drawn;
+    as_drawn.pixel_mm = plane.pixel_mm;
+    as_drawn.smooth_px = 0;  // the stroke was smoothed as it was drawn
+    CurveResult made = make_curve(job.curve_mm, as_drawn);
+    if (made.fault != CurveFault::none) return std::nullopt;
+    CurveFlow flow = band_flow(made.curve, plane, settings.band, FlowMethod::exact, parallel);
+    if (overtaken_) return std::nullopt;
+    kept = {job.curve_mm, plane.pixel_mm, layers, std::move(made.curve), std::move(flow)};
+  }
+  ManifoldPicture out;
+  const LineBundle lines = manifold_lines(plane, kept.curve, kept.flow, job.reach_mm, settings.band);
+  out.band = transposed(render_lines(sweep, lines, settings, parallel, &overtaken_));
+  out.pixel_mm = plane.pixel_mm;
+  out.length_mm = length_mm(kept.curve);
+  out.layers = layers;
+  out.thickness_mm = settings.band.thickness_mm;
+  if (layers > 1) {
+    out.up = kept.flow.layers.back().front;
+    out.down = kept.flow.layers.front().front;
+    out.smeared = stretches(smeared_rows(kept.flow, layers / 2), plane.pixel_mm);
+  }
+  return out;
+}
+
+std::shared_ptr<RenderResult> RenderWorker::render(const RenderRequest& job, Flow& flow,
+                                                   Parallel& parallel) const {
+  auto result = std::make_shared<RenderResult>();
+  const auto begun = SteadyClock::now();
+  PreparedSweep sweep(job.sweep.view, job.settings.gap);
+  RenderSettings settings = job.settings;
+  result->coarse = job.coarse;
+  result->sweep_version = job.sweep_version;
+  result->plane = job.coarse ? halved(job.plane) : job.plane;
+  if (job.coarse) settings.band.step_mm *= 2;
+  result->band = render_planar(sweep, result->plane, settings, parallel, &overtaken_);
+  result->band_ms = ms_since(begun);
+  if (overtaken_ || job.curve_mm.size() < 2 || !(job.reach_mm > 0)) return result;
+  const auto rolled = SteadyClock::now();
+  result->manifold = unroll(job, sweep, result->plane, settings, flow, parallel);
+  result->manifold_ms = ms_since(rolled);
+  return result;
+}
+
 void RenderWorker::serve() {
   Workers workers(threads_);
   Stoppable parallel(workers, overtaken_);
+  Flow flow;
   for (;;) {
     RenderRequest job;
     {
       std::unique_lock lock(mutex_);
       working_ = false;
+      if (!next_) idle_.notify_all();
       wake_.wait(lock, [&] { return ending_ || next_.has_value(); });
       if (ending_) return;
       job = std::move(*next_);
@@ -186,26 +178,18 @@ void RenderWorker::serve() {
       working_ = true;
       overtaken_ = false;
     }
-    auto result = std::make_shared<RenderResult>();
-    result->coarse = job.coarse;
-    result->plane = job.coarse ? halved(job.plane) : job.plane;
-    if (job.coarse) job.settings.band.step_mm *= 2;
-    const auto begun = std::chrono::steady_clock::now();
-    result->band = render_planar(job.sweep.view, result->plane, job.settings, parallel);
-    result->band_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
-    if (!overtaken_ && job.curve_mm.size() > 1) {
-      result->manifold =
-          unroll(job.sweep.view, job.plane, job.settings, job.curve_mm, job.reach_mm, parallel);
+    auto result = render(job, flow, parallel);
+    {
+      const std::lock_guard lock(mutex_);
+      // What was overtaken while it worked may be half a picture.
+      if (overtaken_) {
+        ++counts_.given_up;
+      } else {
+        result->version = ++counts_.done;
+        newest_ = std::move(result);
+      }
     }
-    const std::lock_guard lock(mutex_);
-    // What was overtaken while it worked may be half a picture.
-    if (overtaken_) {
-      ++counts_.given_up;
-    } else {
-      result->version = ++counts_.done;
-      newest_ = std::move(result);
-    }
+    if (finished_) finished_();
   }
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,8 +14,8 @@
 #include <vector>
 
 #include "core/geometry/plane.h"
-#include "core/parallel.h"
-#include "core/reslice/band.h"
+#include "core/manifold/manifold_band.h"
+#include "core/reslice/prepared_sweep.h"
 
 namespace sonoband {
 
@@ -39,34 +40,32 @@ struct Stretch {
   double to_mm = 0;
 };
 
-// The unrolled surface: columns follow the curve, rows the normal.
+// The unrolled surface as the screen shows it: columns follow the curve, rows its normal n.
 struct ManifoldPicture {
   BandImage band;
   double pixel_mm = 0;
   double length_mm = 0;
   int layers = 0;
   double thickness_mm = 0;
-  std::vector<Eigen::Vector2d> upwind;    // c_u(s), plane mm; gaps where the front has vanished are bridged
-  std::vector<Eigen::Vector2d> downwind;  // c_d(s)
-  std::vector<Stretch> smeared;           // where outer layers share one point of the front
+  std::vector<PlaneLine> up, down;  // the paper's c_u and c_d, plane mm
+  std::vector<Stretch> smeared;     // where some layer shows one ruling in several columns
 };
 
 struct RenderResult {
   BandImage band;
   ReslicePlane plane;  // that it was rendered for
+  std::uint64_t sweep_version = 0;
   double band_ms = 0;
+  double manifold_ms = 0;
   bool coarse = false;
   std::optional<ManifoldPicture> manifold;
   std::uint64_t version = 0;  // ascending
 };
 
-// A pure function of its arguments, for tests and for the worker.
-ManifoldPicture unroll(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                       const std::vector<Eigen::Vector2d>& curve_mm, double reach_mm, Parallel& parallel);
-
 class RenderWorker {
  public:
-  explicit RenderWorker(int threads);
+  // `finished` is called on the worker's thread after each picture, for a screen that sleeps.
+  explicit RenderWorker(int threads, std::function<void()> finished = {});
   ~RenderWorker();
   RenderWorker(const RenderWorker&) = delete;
   RenderWorker& operator=(const RenderWorker&) = delete;
@@ -75,6 +74,8 @@ class RenderWorker {
   // Null before the first job is done.
   std::shared_ptr<const RenderResult> newest() const;
   bool busy() const;
+  // Until nothing is asked for any more. For tests and for a screen whose clock stands still meanwhile.
+  void wait() const;
 
   struct Counts {
     std::uint64_t asked = 0;
@@ -84,17 +85,32 @@ class RenderWorker {
   Counts counts() const;
 
  private:
+  // The flow of the last curve: the same while only the plane, the reach or the sweep change. No frames: the
+  // ring needs their room.
+  struct Flow {
+    std::vector<Eigen::Vector2d> curve_mm;
+    double pixel_mm = 0;
+    int layers = 0;
+    Curve curve;
+    CurveFlow flow;
+  };
   void serve();
+  std::shared_ptr<RenderResult> render(const RenderRequest& job, Flow& flow, Parallel& parallel) const;
+  std::optional<ManifoldPicture> unroll(const RenderRequest& job, PreparedSweep& sweep,
+                                        const ReslicePlane& plane, const RenderSettings& settings, Flow& kept,
+                                        Parallel& parallel) const;
 
   int threads_;
+  std::function<void()> finished_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
+  mutable std::condition_variable idle_;
   std::optional<RenderRequest> next_;
   std::shared_ptr<const RenderResult> newest_;
   Counts counts_;
   bool working_ = false;
   bool ending_ = false;
-  std::atomic<bool> overtaken_{false};
+  StopFlag overtaken_{false};
   std::thread thread_;
 };
 

@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "app/cart/appliance.h"
+#include "app/script/script.h"
+#include "board/profile.h"
 
 namespace sonoband {
 
@@ -15,23 +18,24 @@ struct ScreenOptions {
   int height = 800;
   float width_mm = 0;  // of the panel; 0: unknown
   float scale = 1;
-  std::string script;                       // text of a script (app/screen/screen_script.h); empty: none
-  std::string script_name = "the script";   // in sentences
-  std::filesystem::path shots = "out";      // folder of snapshots; made when the first is taken
+  std::filesystem::path shots = "out";  // folder of snapshots; made when the first is taken
   // Width of the scanner's beam across its picture, mm: B-scans farther apart leave gaps. Usual: 1 to 3.
   double beam_width_mm = 1;
-  bool toggle_pedal = false;  // the pedal's mode, from the machine's profile
+  PedalMode pedal = PedalMode::hold;
   std::string version;
 };
 
-// In a window, until it is closed. `cart` is started and owned by the calling thread; `foot` presses its pedal
-// (true: down) and may be empty: then the record button is used. Throws std::runtime_error with one sentence when
-// there is no display, BadInput where a font or a folder fails.
-void run_window(cart::Appliance& cart, const std::function<bool(bool down)>& foot, const ScreenOptions& options);
+// Presses the cart's simulated pedal (true: down). Empty where the pedal is real: then the screen's button
+// and the space bar work through the cart's record button.
+using Foot = std::function<bool(bool down)>;
 
-// In memory, until the script is over. The calling thread is a member of the cart's clock; renderings are waited
-// for, so the same script gives the same pictures on a simulated clock. Throws BadInput when a widget is not there
-// or a state does not come, naming the line.
-void run_headless(cart::Appliance& cart, const std::function<bool(bool down)>& foot, const ScreenOptions& options);
+// In a window, until it is closed. `cart` is started and owned by the calling thread. Throws
+// std::runtime_error with one sentence when there is no display, BadInput where a font or a folder fails.
+void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options);
+
+// In memory, until the script is over. The calling thread is a member of the cart's clock. The same script
+// gives the same pictures on a simulated clock. Throws script::ScriptFailed, and as above.
+void run_headless(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
+                  const std::vector<script::Step>& steps, const std::string& script_name);
 
 }  // namespace sonoband

@@ -49,6 +49,7 @@ std::int32_t Session::frame_count() const {
 }
 
 void Session::begin_sweep(std::uint64_t id) {
+  changed_ = true;
   growing_ = id;
   growing_held_.reset();
   page_ = ui::Page::live;
@@ -57,6 +58,7 @@ void Session::begin_sweep(std::uint64_t id) {
 }
 
 void Session::grow_sweep(const RunSweep& sweep, bool done) {
+  changed_ = true;
   if (!done) {
     growing_held_ = sweep.held;
     ++sweep_version_;
@@ -123,6 +125,7 @@ void Session::reset_plane() {
 void Session::say(std::string notice, Duration how_long) {
   notice_ = std::move(notice);
   notice_for_ = how_long;
+  changed_ = true;
   notice_until_.reset();
 }
 
@@ -171,6 +174,7 @@ void Session::contour(const ui::Command& command) {
 
 void Session::apply(const ui::Command& command) {
   namespace c = ui::command;
+  changed_ = true;
   const auto last = static_cast<double>(std::max(0, frame_count() - 1));
   const auto show_frame = [&](double index) {
     current_ = std::clamp(index, 0.0, last);
@@ -311,7 +315,8 @@ void Session::apply(const ui::Command& command) {
           },
           [&](const c::UndoDelete&) {
             if (!deleted_) return;
-            const auto place = std::find_if(sweeps_.begin(), sweeps_.end(), [&](const RunSweep& s) { return s.id > deleted_->id; });
+            const auto place = std::find_if(sweeps_.begin(), sweeps_.end(),
+                                            [&](const RunSweep& s) { return s.id > deleted_->id; });
             selected_ = deleted_->id;
             sweeps_.insert(place, std::move(*deleted_));
             deleted_.reset();
@@ -320,7 +325,8 @@ void Session::apply(const ui::Command& command) {
             first_ = std::clamp(first_ + by.by, 0, static_cast<int>(sweeps_.size()));
           },
           [&](const c::ChoosePedalMode& m) {
-            if (m.mode != pedal_mode_) say("Hold or toggle is set in this machine's profile and changes at the next start.");
+            if (m.mode != pedal_mode_)
+              say("Hold or toggle is set in this machine's profile and changes at the next start.");
           },
           [&](const c::SetSound& s) { sound_ = s.on; },
           [](const auto&) {},
@@ -355,6 +361,7 @@ void Session::tick(Stamp now) {
   if (notice_until_ && now >= *notice_until_) {
     notice_.clear();
     notice_until_.reset();
+    changed_ = true;
   }
   const double count = std::max(1, frame_count());
   if (playing_) current_ = std::fmod(current_ + dt * cine_hz, count);
@@ -363,12 +370,17 @@ void Session::tick(Stamp now) {
     fling_ *= std::exp2(-dt / fling_halves_s);
     if (std::abs(fling_) < 1 || current_ <= 0 || current_ >= count - 1) fling_ = 0;
   }
+  ask_if_changed();
+}
+
+void Session::ask_if_changed() {
   if (!dirty_) return;
   dirty_ = false;
   ask();
 }
 
 void Session::fill(ui::View& view) {
+  changed_ = false;
   result_ = worker_.newest();
   view.page = page_;
   view.sheet = sheet_;
@@ -426,8 +438,8 @@ void Session::fill(ui::View& view) {
     r.manifold_thickness_mm = m.thickness_mm;
     r.manifold_pixel_mm = m.pixel_mm;
     r.manifold_coarse = result_->coarse;
-    r.curve.upwind = m.upwind;
-    r.curve.downwind = m.downwind;
+    r.curve.up = m.up;
+    r.curve.down = m.down;
     r.curve.length_mm = m.length_mm;
     r.curve.layers = m.layers;
     for (const Stretch& s : m.smeared) smear_views_.push_back({s.from_mm, s.to_mm});

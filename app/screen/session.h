@@ -43,6 +43,11 @@ class Session {
   // Time passes: cine, flicks, notices; asks the worker for what has changed.
   void tick(Stamp now);
 
+  // What the commands changed is asked of the worker now, not at the next tick.
+  void ask_if_changed();
+  // Since the last fill, by a command or by time.
+  bool changed() const { return changed_; }
+
   // Fills pages, review, exams and the growing band; what it lends stays valid until the next call of
   // anything here.
   void fill(ui::View& view);
@@ -79,8 +84,8 @@ class Session {
   void contour(const ui::Command& command);
 
   RenderWorker& worker_;
-  std::vector<RunSweep> sweeps_;       // newest last
-  std::optional<RunSweep> deleted_;    // the last one, until another is deleted or room is needed
+  std::vector<RunSweep> sweeps_;     // newest last
+  std::optional<RunSweep> deleted_;  // the last one, until another is deleted or room is needed
   std::uint64_t shown_ = 0;
   std::uint64_t growing_ = 0;
   std::uint64_t sweep_version_ = 1;
@@ -123,6 +128,7 @@ class Session {
 
   // What the worker was last asked for.
   bool dirty_ = false;
+  bool changed_ = true;
   std::shared_ptr<const RenderResult> result_;
   // Lent to the view.
   std::vector<ui::MeasureView> measure_views_;

@@ -9,12 +9,18 @@ namespace {
 
 ui::Health health_of(const DeviceHealth& h) {
   switch (h.state) {
-    case DeviceState::absent: return ui::Health::absent;
-    case DeviceState::starting: return ui::Health::starting;
-    case DeviceState::running: return ui::Health::good;
-    case DeviceState::degraded: return ui::Health::degraded;
-    case DeviceState::stalled: return ui::Health::silent;
-    case DeviceState::fault: break;
+    case DeviceState::absent:
+      return ui::Health::absent;
+    case DeviceState::starting:
+      return ui::Health::starting;
+    case DeviceState::running:
+      return ui::Health::good;
+    case DeviceState::degraded:
+      return ui::Health::degraded;
+    case DeviceState::stalled:
+      return ui::Health::silent;
+    case DeviceState::fault:
+      break;
   }
   return ui::Health::fault;
 }
@@ -39,8 +45,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 14> sentence
 
 }  // namespace
 
-void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds, LossLines& losses,
-                 ui::StatusView& view) {
+void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds,
+                 LossLines& losses, ui::StatusView& view) {
   const cart::AcquisitionStatus& acquisition = status.cart.acquisition;
   view.scanner.health = health_of(status.frames.health);
   view.scanner.reason = status.frames.health.reason;
@@ -65,7 +71,8 @@ void fill_status(const cart::ApplianceStatus& status, double storage_minutes, do
   view.losses.of = ledger.received + ledger.device_gap;
   std::size_t used = 0;
   for (const LedgerLine& line : lines(ledger)) {
-    const auto sentence = std::find_if(sentences.begin(), sentences.end(), [&](const auto& s) { return s.first == line.name; });
+    const auto sentence =
+        std::find_if(sentences.begin(), sentences.end(), [&](const auto& s) { return s.first == line.name; });
     if (sentence != sentences.end() && line.value > 0) losses[used++] = {sentence->second, line.value};
   }
   view.losses.by_cause = std::span(losses).first(used);

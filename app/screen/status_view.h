@@ -12,7 +12,7 @@ namespace sonoband {
 using LossLines = std::array<ui::LossLine, ledger_line_count>;
 
 // `storage_minutes`: of recording that the disk still takes; `ring_seconds`: that the ring holds in all.
-void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds, LossLines& losses,
-                 ui::StatusView& view);
+void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds,
+                 LossLines& losses, ui::StatusView& view);
 
 }  // namespace sonoband

@@ -97,6 +97,8 @@ class Runner {
     }
   }
 
+  void act(const ScreenAction&) { fail("there is no screen here for a finger to touch"); }
+
   SweepView last_sweep() const {
     if (sweeps_.empty()) fail("there is no sweep yet to make a picture of; press, wait, release first");
     const SweepView view = sweeps_.back().view();

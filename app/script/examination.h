@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <vector>
 
 #include "app/cart/appliance.h"
@@ -14,13 +13,6 @@
 #include "hal/clock.h"
 
 namespace sonoband::script {
-
-// The script asked for something that the cart did not do: what() names line, what was expected and what
-// happened.
-class ScriptFailed : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct Stage {
   cart::Appliance& cart;                       // started; the calling thread is its owner

@@ -1,45 +1,16 @@
 #include "app/script/script.h"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <sstream>
 
 #include "app/bad_input.h"
+#include "app/script/words.h"
 
 namespace sonoband::script {
 namespace {
-
-// Where a sentence points to.
-struct Place {
-  const std::string& file;
-  int line;
-
-  [[noreturn]] void refuse(const std::string& sentence) const {
-    throw BadInput(file + ":" + std::to_string(line) + ": " + sentence);
-  }
-};
-
-std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-double number_in(const Place& place, const std::string& name, std::string_view text, double least,
-                 double most) {
-  const auto value = number(text);
-  if (!value || *value < least || *value > most) {
-    std::ostringstream range;
-    range << least << " to " << most;
-    place.refuse(name + " must be a number from " + range.str() + ", not '" + std::string(text) + "'");
-  }
-  return *value;
-}
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
@@ -104,15 +75,7 @@ std::pair<std::string, std::string> option(const Place& place, const std::string
   return {word.substr(0, equals), word.substr(equals + 1)};
 }
 
-std::string picture_file(const Place& place, const std::vector<std::string>& words) {
-  if (words.size() < 2 || !words[1].ends_with(".png"))
-    place.refuse(words[0] + " needs the name of a .png file first");
-  if (words[1].find('/') != std::string::npos)
-    place.refuse("pictures go into the --out folder: give a name without '/'");
-  return words[1];
-}
-
-Action render_action(const Place& place, const std::vector<std::string>& words) {
+Action render_action(const Place& place, const Words& words) {
   Render render;
   render.file = picture_file(place, words);
   for (std::size_t i = 2; i < words.size(); ++i) {
@@ -122,7 +85,7 @@ Action render_action(const Place& place, const std::vector<std::string>& words) 
   return render;
 }
 
-Action manifold_action(const Place& place, const std::vector<std::string>& words) {
+Action manifold_action(const Place& place, const Words& words) {
   Manifold manifold;
   manifold.plane.file = picture_file(place, words);
   for (std::size_t i = 2; i < words.size(); ++i) {
@@ -138,7 +101,7 @@ Action manifold_action(const Place& place, const std::vector<std::string>& words
   return manifold;
 }
 
-Action await_action(const Place& place, const std::vector<std::string>& words) {
+Action await_action(const Place& place, const Words& words) {
   if (words.size() != 3) place.refuse("await needs a state and seconds, for example: await review 10");
   const std::string& state = words[1];
   if (state != "idle" && state != "live" && state != "recording" && state != "review") {
@@ -147,7 +110,7 @@ Action await_action(const Place& place, const std::vector<std::string>& words) {
   return Await{state, from_seconds(number_in(place, "seconds", words[2], 0, 3600))};
 }
 
-Action action(const Place& place, const std::vector<std::string>& words) {
+Action action(const Place& place, const Words& words) {
   const std::string& verb = words[0];
   if ((verb == "press" || verb == "release") && words.size() > 1)
     place.refuse(verb + " stands alone on its line");
@@ -160,8 +123,10 @@ Action action(const Place& place, const std::vector<std::string>& words) {
     if (words.size() != 2) place.refuse("wait needs seconds, for example: wait 1.5");
     return Wait{from_seconds(number_in(place, "seconds", words[1], 0, 3600))};
   }
+  if (const auto on_screen = screen_action(place, words)) return *on_screen;
   place.refuse("there is no action '" + verb +
-               "'; there are wait, press, release, await, render and manifold");
+               "'; there are wait, press, release, await, render and manifold, and with the screen tap, "
+               "double-tap, hold, drag, pinch, twist, key and shot");
 }
 
 }  // namespace
@@ -172,10 +137,20 @@ std::vector<Step> parse(std::string_view text, const std::string& file) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     std::istringstream in(line.substr(0, line.find('#')));
-    const std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
+    const Words words{std::istream_iterator<std::string>(in), {}};
     if (!words.empty()) steps.push_back({number, action(Place{file, number}, words)});
   }
+  if (!needs_screen(steps)) return steps;
+  for (const Step& step : steps) {
+    if (std::holds_alternative<Render>(step.action) || std::holds_alternative<Manifold>(step.action))
+      Place{file, step.line}.refuse("render and manifold work without the screen; take a shot instead");
+  }
   return steps;
+}
+
+bool needs_screen(const std::vector<Step>& steps) {
+  return std::any_of(steps.begin(), steps.end(),
+                     [](const Step& step) { return std::holds_alternative<ScreenAction>(step.action); });
 }
 
 std::vector<Step> read(const std::string& file) {

@@ -13,14 +13,31 @@
 //   manifold unrolled.png curve=x,y;x,y;... reach-mm=R [render's options]
 //              curve: plane mm of the view, from its first pixel; curve and reach may be left to a scene that
 //              suggests them
+//
+// With the screen, a finger works it, widgets by their names (every panel gives its widgets one: rail/live,
+// reslice/picture, tools/curve):
+//   tap tools/curve                            double-tap reslice/picture
+//   hold review/picture 0.8                    a finger that stays; seconds
+//   drag reslice/picture 0.2,0.5 0.8,0.4 1.0   from, over any number of places, in parts of the widget (0,0
+//   its
+//                                              top left corner); the last number is the seconds it takes
+//   pinch reslice/picture 1.5                  the picture grows so many times
+//   twist reslice/picture 30                   degrees, clockwise
+//   key right                                  left right up down home end page-up page-down escape enter
+//                                              backspace f1 f11, or one character
+//   shot review.png                            a picture of the screen, in the --shots folder
+// One such line, and the whole script runs with the screen, in memory; render and manifold, which work
+// without it, are then refused.
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "app/script/screen_actions.h"
 #include "core/reslice/band.h"
 
 namespace sonoband::script {
@@ -46,7 +63,7 @@ struct Manifold {
   std::optional<double> reach_mm;         // empty: the view's own
 };
 
-using Action = std::variant<Wait, Press, Release, Await, Render, Manifold>;
+using Action = std::variant<Wait, Press, Release, Await, Render, Manifold, ScreenAction>;
 
 struct Step {
   int line = 0;
@@ -56,6 +73,15 @@ struct Step {
 // `file` names the script in sentences. Throws BadInput naming file, line and cure.
 std::vector<Step> parse(std::string_view text, const std::string& file);
 std::vector<Step> read(const std::string& file);
+
+bool needs_screen(const std::vector<Step>& steps);
+
+// The script asked for something that the cart or the screen did not do: what() names line, what was expected
+// and what happened.
+class ScriptFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 // The examination `sonoband --headless` runs without a script: wait, sweep, thin and thick bands.
 std::string_view default_text();

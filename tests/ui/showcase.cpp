@@ -143,9 +143,9 @@ ui::View review_view() {
     for (Eigen::Vector2d& p : all) p.y() += by;
     return all;
   };
-  static const std::vector<Eigen::Vector2d> upwind = moved(-3.6), downwind = moved(3.6);
+  static const std::vector<PlaneLine> up = {moved(-3.6)}, down = {moved(3.6)};
   static const std::array<ui::CurveView::Smear, 1> smeared = {{{46, 52}}};
-  review.curve = {vertices, line, upwind, downwind, smeared, 24, 92, 36, false, true, false};
+  review.curve = {vertices, line, up, down, smeared, 24, 92, 36, false, true, false};
   review.manifold = picture_of(exam.thin, 3);
   review.manifold_thickness_mm = 7.2;
   review.manifold_pixel_mm = 0.4;

@@ -245,8 +245,10 @@ void draw_stretch(Ui& ui, const PlanePlace& place, std::span<const Eigen::Vector
 }
 
 void draw_curve(Ui& ui, const PlanePlace& place, const CurveView& curve) {
-  draw_dashed_polyline(ui, place, curve.upwind, colour::accent.with_alpha(0.8f), ui.px(1.5f));
-  draw_dashed_polyline(ui, place, curve.downwind, colour::accent.with_alpha(0.8f), ui.px(1.5f));
+  for (const auto& extreme : {curve.up, curve.down}) {
+    for (const PlaneLine& run : extreme)
+      draw_dashed_polyline(ui, place, run, colour::accent.with_alpha(0.8f), ui.px(1.5f));
+  }
   draw_polyline(ui, place, curve.line, colour::picture.with_alpha(0.5f), ui.px(5));
   draw_polyline(ui, place, curve.line, colour::accent, ui.px(3));
   for (const CurveView::Smear& s : curve.smeared) {

@@ -55,7 +55,7 @@ TEST(Script, RefusalsNameFileLineAndCure) {
             "exam.script:1: the states are idle, live, recording and review, not 'done'");
   EXPECT_EQ(refusal("render band.jpg"), "exam.script:1: render needs the name of a .png file first");
   EXPECT_EQ(refusal("render ../band.png"),
-            "exam.script:1: pictures go into the --out folder: give a name without '/'");
+            "exam.script:1: pictures go into a folder of their own: give a name without '/'");
   EXPECT_EQ(refusal("render a.png compounding=sum"),
             "exam.script:1: compounding must be max, min or mean, not 'sum'");
   EXPECT_EQ(refusal("render a.png thick"),
