@@ -46,10 +46,54 @@ manifold spine.png curve=1,2;3,4.5 reach-mm=12 thickness-mm=7.2
   EXPECT_EQ(manifold.plane.settings.band.thickness_mm, 7.2);
 }
 
+TEST(Script, UnderstandsFingers) {
+  const auto steps = parse(R"(tap tools/curve
+double-tap reslice/picture
+hold review/picture 0.8
+drag reslice/picture 0.2,0.5 0.8,0.4 1.5
+pinch reslice/picture 1.5
+twist reslice/picture 90
+key page-up
+key v
+shot review.png
+)",
+                           "exam.script");
+  ASSERT_EQ(steps.size(), 9u);
+  EXPECT_TRUE(needs_screen(steps));
+  const auto action = [&](std::size_t i) { return std::get<ScreenAction>(steps[i].action); };
+  EXPECT_EQ(std::get<Tap>(action(0)).widget, "tools/curve");
+  EXPECT_EQ(std::get<Tap>(action(1)).times, 2);
+  EXPECT_EQ(std::get<Hold>(action(2)).time, from_seconds(0.8));
+  const auto drag = std::get<Drag>(action(3));
+  ASSERT_EQ(drag.way.size(), 2u);
+  EXPECT_EQ(drag.way[1], (ui::Vec2{0.8f, 0.4f}));
+  EXPECT_EQ(drag.time, from_seconds(1.5));
+  EXPECT_EQ(std::get<TwoFingers>(action(4)).scale, 1.5f);
+  EXPECT_FLOAT_EQ(std::get<TwoFingers>(action(5)).turn_rad, 1.5707964f);
+  EXPECT_EQ(std::get<KeyPress>(action(6)).key.key, ui::Key::page_up);
+  EXPECT_EQ(std::get<KeyPress>(action(7)).key.character, U'v');
+  EXPECT_EQ(std::get<Shot>(action(8)).file, "review.png");
+  EXPECT_FALSE(needs_screen(parse("press\nwait 1\nrelease\n", "exam.script")));
+}
+
+TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
+  EXPECT_EQ(refusal("tap"), "exam.script:1: tap is written as in: tap tools/curve");
+  EXPECT_EQ(refusal("drag reslice/picture 0.5,0.5"),
+            "exam.script:1: drag needs a widget and at least two places: drag reslice/picture 0.2,0.5 0.8,0.5");
+  EXPECT_EQ(refusal("drag reslice/picture 0.5 0.5,0.6 0.7,0.7"),
+            "exam.script:1: '0.5' is no place; write x,y in parts of the widget, as in 0.5,0.5");
+  EXPECT_EQ(refusal("pinch reslice/picture 9"),
+            "exam.script:1: the scale must be a number from 0.2 to 5, not '9'");
+  EXPECT_EQ(refusal("key any"), "exam.script:1: there is no key 'any'");
+  EXPECT_EQ(refusal("tap rail/live\nrender thin.png"),
+            "exam.script:2: render and manifold work without the screen; take a shot instead");
+}
+
 TEST(Script, RefusalsNameFileLineAndCure) {
   EXPECT_EQ(
       refusal("\nstep on it\n"),
-      "exam.script:2: there is no action 'step'; there are wait, press, release, await, render and manifold");
+      "exam.script:2: there is no action 'step'; there are wait, press, release, await, render and manifold, "
+      "and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
   EXPECT_EQ(refusal("wait soon"), "exam.script:1: seconds must be a number from 0 to 3600, not 'soon'");
   EXPECT_EQ(refusal("await done 3"),
             "exam.script:1: the states are idle, live, recording and review, not 'done'");
