@@ -11,7 +11,8 @@ namespace sonoband::ui {
 struct Colour {
   std::uint32_t rgba = 0;
   constexpr Colour with_alpha(float alpha) const {
-    return {(rgba & 0xffffff00u) | static_cast<std::uint32_t>(alpha * 255 + 0.5f)};
+    const float rounded = alpha * 255 + 0.5f;
+    return {(rgba & 0xffffff00u) | static_cast<std::uint32_t>(rounded)};
   }
   bool operator==(const Colour&) const = default;
 };

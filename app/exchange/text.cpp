@@ -60,7 +60,7 @@ std::optional<double> parse_number(std::string_view text) {
   // Out of range: too small is as good as 0, too large is no number a header may hold.
   if (error == std::errc::result_out_of_range) {
     return text.find_first_of("eE") != std::string_view::npos &&
-                   text.find("-", text.find_first_of("eE")) != std::string_view::npos
+                   text.find('-', text.find_first_of("eE")) != std::string_view::npos
                ? 0.0
                : std::numeric_limits<double>::infinity();
   }

@@ -27,7 +27,7 @@ class Carver {
   T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= line);
     std::byte* at = base_ == nullptr ? nullptr : base_ + used_;
-    used_ += round_up(count * sizeof(T));
+    used_ += round_up(count * sizeof(T));  // NOLINT(bugprone-sizeof-expression): T is a pointer for the index
     if (at == nullptr) return nullptr;
     T* first = reinterpret_cast<T*>(at);
     for (std::size_t i = 0; i < count; ++i) ::new (static_cast<void*>(first + i)) T();

@@ -91,8 +91,8 @@ void add_cord(std::vector<Shape>& all) {
     const auto last = middle.size() - 1;
     const auto i = std::min(static_cast<std::size_t>(t), last - 1);
     const float u = t - static_cast<float>(i);
-    const Vector3f p0 = middle[i > 0 ? i - 1 : 0];
-    const Vector3f p3 = middle[std::min(i + 2, last)];
+    const Vector3f& p0 = middle[i > 0 ? i - 1 : 0];
+    const Vector3f& p3 = middle[std::min(i + 2, last)];
     const Vector3f& p1 = middle[i];
     const Vector3f& p2 = middle[i + 1];
     return Vector3f(0.5F * (2 * p1 + (p2 - p0) * u + (2 * p0 - 5 * p1 + 4 * p2 - p3) * u * u +

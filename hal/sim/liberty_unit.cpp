@@ -248,8 +248,8 @@ void LibertyUnit::send_record(Stamp reading_time, Stamp sent, int station, std::
         break;
       }
       case FaultKind::flipped_size: {
-        const int bit = static_cast<int>(f.value) % 16;
-        bytes.data[static_cast<std::size_t>(6 + bit / 8)] ^= static_cast<std::uint8_t>(1 << bit % 8);
+        const auto bit = static_cast<std::size_t>(f.value) % 16;
+        bytes.data[6 + bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
         break;
       }
       case FaultKind::duplicate_record:

@@ -10,7 +10,6 @@
 namespace sonoband::sim {
 
 using liberty::control;
-using liberty::Item;
 using liberty::OutputList;
 using liberty::Tag;
 
@@ -277,7 +276,7 @@ void LibertyUnit::set_alignment(const CommandLine& c, int station) {
 void LibertyUnit::set_boresight(const CommandLine& c, int station, Stamp now) {
   Eigen::Vector3d angles = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
-    if (1 + i < c.count) angles[i] = c.arguments[static_cast<std::size_t>(1 + i)].value_or(0);
+    if (1 + i < c.count) angles[i] = c.arguments[1 + static_cast<std::size_t>(i)].value_or(0);
   const Eigen::Matrix3d reads = liberty::quaternion_from_angles(angles).toRotationMatrix();
   settings_.boresight[static_cast<std::size_t>(station - 1)] =
       sensor_pose(station, now).rotation.transpose() * reads;

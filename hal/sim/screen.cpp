@@ -1,6 +1,7 @@
 #include "hal/sim/screen.h"
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 namespace sonoband::sim {
@@ -70,7 +71,7 @@ void draw_decorations(Screen& screen, const ScannerSettings& s) {
   write(screen, "SONOBAND SIM", 8, 8);
   // Ticks every 5 mm of depth, longer every 10.
   for (int tick = 0; tick * 5 <= s.depth_mm; ++tick) {
-    const int y = static_cast<int>(s.face_row_px + tick * 5 / s.pixel_mm + 0.5);
+    const int y = static_cast<int>(std::lround(s.face_row_px + tick * 5 / s.pixel_mm));
     const int length = tick % 2 == 0 ? 7 : 3;
     for (int x = 0; x < length; ++x) screen.grey(s.width_px - 1 - x, y, 160);
   }

@@ -1,7 +1,5 @@
 #include "tests/support/support.h"
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 
 namespace sonoband::test {
@@ -22,6 +20,11 @@ Eigen::Matrix3d random_rotation(std::mt19937_64& random) {
   return Eigen::Quaterniond(gauss(random), gauss(random), gauss(random), gauss(random))
       .normalized()
       .toRotationMatrix();
+}
+
+::testing::AssertionResult says(const std::string& sentence, std::string_view part) {
+  if (sentence.find(part) != std::string::npos) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "it says '" << sentence << "', without '" << part << "'";
 }
 
 }  // namespace sonoband::test

@@ -1,9 +1,13 @@
 // What every test may lean on: where the real recordings are, and a seeded source of random geometry.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <optional>
 #include <random>
+#include <string>
+#include <string_view>
 
 #include "core/geometry/transforms.h"
 
@@ -16,10 +20,15 @@ std::optional<std::filesystem::path> data_folder();
 // Uniform on the rotations (a normalised Gaussian quaternion).
 Eigen::Matrix3d random_rotation(std::mt19937_64& random);
 
+// Whether a sentence to people holds this part; shows the sentence if not.
+::testing::AssertionResult says(const std::string& sentence, std::string_view part);
+
 }  // namespace sonoband::test
 
 // First line of a test that needs recordings: gives `folder` or skips, saying so.
 #define SONOBAND_DATA_OR_SKIP(folder)                                                                    \
   const auto folder##_found = ::sonoband::test::data_folder();                                           \
   if (!folder##_found) GTEST_SKIP() << "no recordings: set SONOBAND_DATA or put them in ../shared/data"; \
-  const std::filesystem::path folder = *folder##_found
+  const std::filesystem::path& folder = *folder##_found
+
+#define EXPECT_SAYS(sentence, part) EXPECT_TRUE(::sonoband::test::says(sentence, part))

@@ -5,15 +5,13 @@
 
 #include "app/exchange/png.h"
 #include "app/exchange/sequence_file.h"
+#include "tests/support/support.h"
 #include "tests/tools/tool_runner.h"
 
 namespace sonoband::test {
 namespace {
 
 using Json = nlohmann::json;
-
-#define EXPECT_SAYS(sentence, part) \
-  EXPECT_NE((sentence).find(part), std::string::npos) << "it says '" << (sentence) << "'"
 
 // 20 frames of 40 x 30 pixels of 0.5 mm, 1 mm apart along z: frame i is i+1 everywhere, but frame 10 has a
 // bright pixel at (12, 8), which is (6, 4, 10) mm in Reference.

@@ -26,7 +26,7 @@ RecorderSettings quick() {
 }
 
 std::filesystem::path new_exam(const TemporaryFolder& folder) {
-  const std::filesystem::path file = folder.path() / "e.exam";
+  std::filesystem::path file = folder.path() / "e.exam";
   ExamWriter::create(file, "e").close();
   return file;
 }

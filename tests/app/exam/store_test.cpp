@@ -23,7 +23,7 @@ using test::TemporaryFolder;
 // An exam of one sweep of `frames` frames, written in batches of seven.
 std::filesystem::path recorded(const TemporaryFolder& folder, std::int64_t frames, std::uint64_t seed = 1,
                                int width = 40, int height = 24) {
-  const std::filesystem::path file = folder.path() / "20260102-030405-aaaa.exam";
+  std::filesystem::path file = folder.path() / "20260102-030405-aaaa.exam";
   ExamWriter writer = ExamWriter::create(file, "20260102-030405-aaaa");
   MadeSweep sweep(width, height, frames, seed);
   sweep.publish(frames);

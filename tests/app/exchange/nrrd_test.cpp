@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/exchange/sequence_samples.h"
+#include "tests/support/support.h"
 
 namespace sonoband::test {
 namespace {
@@ -24,9 +25,6 @@ std::string with(const std::string& part, const std::string& instead) {
 std::string refused(const std::string& part, const std::string& instead) {
   return refusal([&] { read_nrrd_text(with(part, instead)); });
 }
-
-#define EXPECT_SAYS(sentence, part) \
-  EXPECT_NE((sentence).find(part), std::string::npos) << "it says '" << (sentence) << "'"
 
 TEST(Nrrd, ReadsASmallGreySequence) {
   const auto read = read_nrrd_text(small);

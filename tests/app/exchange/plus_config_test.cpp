@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/exchange/sequence_samples.h"
+#include "tests/support/support.h"
 
 namespace sonoband::test {
 namespace {
@@ -17,9 +18,6 @@ const std::string identity = "1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1";
 std::string refused(const std::string& xml) {
   return refusal([&] { parse_plus_config(xml, "plus.xml"); });
 }
-
-#define EXPECT_SAYS(sentence, part) \
-  EXPECT_NE((sentence).find(part), std::string::npos) << "it says '" << (sentence) << "'"
 
 TEST(PlusConfig, TakesEveryTransformOfCoordinateDefinitionsWhereverItStands) {
   const auto config = parse_plus_config(

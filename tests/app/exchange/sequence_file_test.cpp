@@ -70,7 +70,7 @@ TEST_F(SequenceFile, WhatIsNoSequenceIsRefused) {
   EXPECT_NE(refusal([&] { read_sequence(folder_ / "gone.mha"); }).find("cannot be opened"),
             std::string::npos);
   EXPECT_NE(refusal([&] { read_sequence(folder_); }).find("this is a folder"), std::string::npos);
-  std::ofstream(folder_ / "empty.mha");
+  std::ofstream(folder_ / "empty.mha").close();
   EXPECT_NE(refusal([&] { read_sequence(folder_ / "empty.mha"); }).find("neither a MetaImage"),
             std::string::npos);
   std::ofstream(folder_ / "video.mha") << "\x1A\x45\xDF\xA3 and so on";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/exchange/sequence_samples.h"
+#include "tests/support/support.h"
 
 namespace sonoband::test {
 namespace {
@@ -12,9 +13,6 @@ using exchange::PlusConfig;
 using exchange::ReadSequence;
 using exchange::SequenceSweep;
 using exchange::SweepRequest;
-
-#define EXPECT_SAYS(sentence, part) \
-  EXPECT_NE((sentence).find(part), std::string::npos) << "it says '" << (sentence) << "'"
 
 Eigen::Matrix4d at_z(double z) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();

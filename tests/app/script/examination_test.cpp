@@ -44,9 +44,8 @@ struct Cart {
 };
 
 std::filesystem::path scratch() {
-  const auto folder =
-      std::filesystem::temp_directory_path() /
-      (std::string("sonoband-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  auto folder = std::filesystem::temp_directory_path() /
+                (std::string("sonoband-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
   std::filesystem::create_directories(folder);
   return folder;
 }

@@ -11,7 +11,7 @@ namespace {
 
 using test::Shape;
 
-constexpr int K = 36;
+constexpr int last_layer = 36;
 constexpr double eps = 0.01;  // of a step
 // The brute-force referees look at these layers, on both sides.
 const int looked_at[] = {1, 2, 7, 13, 20, 26, 36};
@@ -19,7 +19,8 @@ const int looked_at[] = {1, 2, 7, 13, 20, 26, 36};
 CurveFlow flow(const Curve& curve, FlowMethod method = FlowMethod::exact) {
   Serial serial;
   return flow_curve(
-      curve, {.method = method, .step_mm = 1, .layers = K, .ruling_mm = 1, .fronts = Fronts::all}, serial);
+      curve, {.method = method, .step_mm = 1, .layers = last_layer, .ruling_mm = 1, .fronts = Fronts::all},
+      serial);
 }
 
 std::vector<int> layers() {
@@ -235,7 +236,7 @@ TEST_P(GentleShape, RouteMapAgreesWithExact) {
   const Curve& curve = GetParam().curve;
   const CurveFlow exact = flow(curve);
   const CurveFlow paper = flow(curve, FlowMethod::route_map);
-  for (int k = -K; k <= K; ++k)
+  for (int k = -last_layer; k <= last_layer; ++k)
     for (std::size_t i = 0; i < exact.rulings.size(); ++i) {
       // A ruling on a convex vertex has a whole arc at its disposal.
       const RulingFoot& ruling = exact.rulings[i];
@@ -253,11 +254,11 @@ TEST(Flow, HairpinNarrowerThanTheBandHasNoInnerFront) {
     const CurveFlow exact = flow(shape.curve);
     // The bend turns towards +y: the inner side is that of the quarter turn. Half width 25.
     EXPECT_FALSE(exact.layer(25).front.empty());
-    for (int k = 26; k <= K; ++k) {
+    for (int k = 26; k <= last_layer; ++k) {
       EXPECT_TRUE(exact.layer(k).front.empty()) << k;
       for (const auto& foot : exact.layer(k).feet) EXPECT_FALSE(foot) << k;
     }
-    for (const auto& foot : exact.layer(-K).feet) EXPECT_TRUE(foot);
+    for (const auto& foot : exact.layer(-last_layer).feet) EXPECT_TRUE(foot);
   }
 }
 
@@ -266,7 +267,7 @@ TEST(Flow, SpiralNeverReachesForAnotherTurn) {
   for (const Shape& shape : test::hard_shapes()) {
     if (!shape.name.starts_with("spiral")) continue;
     const CurveFlow exact = flow(shape.curve);
-    for (int k = -K; k <= K; ++k)
+    for (int k = -last_layer; k <= last_layer; ++k)
       for (std::size_t i = 0; i < exact.rulings.size(); ++i) {
         const auto& foot = exact.layer(k).feet[i];
         if (!foot) continue;

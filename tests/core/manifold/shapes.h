@@ -14,8 +14,8 @@ struct Shape {
   std::string name;
   Curve curve;
 };
-inline void PrintTo(const Shape& shape, std::ostream* out) {
-  *out << shape.name;
+inline std::ostream& operator<<(std::ostream& out, const Shape& shape) {
+  return out << shape.name;
 }
 
 // Where neither layer 1 nor layer 36 meets another part of the curve except round its own corners.
