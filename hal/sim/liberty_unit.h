@@ -9,15 +9,13 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 
-#include "core/geometry/transforms.h"
 #include "hal/sim/liberty_command_line.h"
-#include "hal/sim/liberty_faults.h"
 #include "hal/sim/liberty_settings.h"
 #include "hal/sim/liberty_wire.h"
+#include "hal/sim/tracker_unit.h"
 
 namespace sonoband::sim {
 
@@ -33,27 +31,17 @@ struct LibertyUnitConfig {
   std::uint64_t seed = 1;
 };
 
-// Where the probe's sensor is at a time, in mm. Must be a function of time alone.
-using ProbePose = std::function<Rigid<frame::Tracker, frame::Probe>(Stamp)>;
-
-class LibertyUnit {
+class LibertyUnit final : public TrackerUnit {
  public:
-  // Takes what the unit sends, in the order sent; `record_station` is 0 for anything but a record.
-  using Sink = std::function<void(Stamp sent, std::span<const std::uint8_t> bytes, int record_station)>;
-
   LibertyUnit(const LibertyUnitConfig& config, ProbePose pose, Sink sink, Stamp now);
 
-  void receive(std::span<const std::uint8_t> bytes, Stamp now);
-  // Everything it sends up to and including `now`.
-  void advance(Stamp now);
-  // When it next may have something to send by itself.
-  Stamp next_send(Stamp now) const;
-  bool buffering() const { return settings_.buffering; }
-  // Of the unit and of its records; those of USB are not for it.
-  void inject(const Fault& fault);
-
-  void power_cycle(Stamp now);  // settings and counters as at power-up, no self-test wait
-  void usb_reset() {
+  void receive(std::span<const std::uint8_t> bytes, Stamp now) override;
+  void advance(Stamp now) override;
+  Stamp next_send(Stamp now) const override;
+  bool buffering() const override { return settings_.buffering; }
+  void inject(const Fault& fault) override;
+  void power_cycle(Stamp now) override;
+  void usb_reset() override {
     if (deaf_ == Deaf::until_reset) deaf_ = Deaf::no;
   }
 

@@ -29,6 +29,12 @@ enum class TransferStatus : std::uint8_t {
   gone,
 };
 
+// Which protocol the device speaks, by its product id.
+enum class TrackerFamily : std::uint8_t {
+  liberty,  // LIBERTY, PATRIOT
+  viper,
+};
+
 // `count` bytes went over the wire whatever the status: a read that timed out may still have brought some.
 struct Transfer {
   TransferStatus status = TransferStatus::ok;
@@ -42,6 +48,9 @@ class BytePort {
   // Looks for the device and opens it. Cheap enough to be called once a second while it fails; an open port
   // stays open.
   virtual PortState open() = 0;
+
+  // Of the open port.
+  virtual TrackerFamily family() const = 0;
 
   // All of `bytes` or an error; waits at most a second. Needs an open port, as the next two do.
   virtual Transfer write(std::span<const std::uint8_t> bytes) = 0;

@@ -11,11 +11,13 @@ bool FrameCounter::follows(const Count& before, const Count& after) const {
   const std::uint32_t frames = after.frame - before.frame;
   if (frames == 0 || frames > most_lost) return false;
   const double expected_ms = 1000 * seconds(period_) * frames;
-  const double elapsed_ms = static_cast<std::int32_t>(after.time_ms - before.time_ms);
+  if (!before.time_ms || !after.time_ms) return true;
+  const double elapsed_ms = static_cast<std::int32_t>(*after.time_ms - *before.time_ms);
   return std::abs(elapsed_ms - expected_ms) <= tolerance_ms;
 }
 
-FrameCounter::Verdict FrameCounter::judge(std::uint32_t frame, std::uint32_t time_ms, bool same_pose) {
+FrameCounter::Verdict FrameCounter::judge(std::uint32_t frame, std::optional<std::uint32_t> time_ms,
+                                          bool same_pose) {
   const Count now{frame, time_ms};
   if (!last_) {
     last_ = now;

@@ -36,12 +36,13 @@ class FrameCounter {
   explicit FrameCounter(Duration period = from_seconds(1.0 / 240)) : period_(period) {}
 
   // `same_pose`: the record's pose is, to the bit, that of the record before.
-  Verdict judge(std::uint32_t frame, std::uint32_t time_ms, bool same_pose);
+  // Without `time_ms` the count alone decides.
+  Verdict judge(std::uint32_t frame, std::optional<std::uint32_t> time_ms, bool same_pose);
 
  private:
   struct Count {
     std::uint32_t frame = 0;
-    std::uint32_t time_ms = 0;
+    std::optional<std::uint32_t> time_ms;
   };
   bool follows(const Count& before, const Count& after) const;
 

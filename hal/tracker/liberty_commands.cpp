@@ -1,5 +1,6 @@
 #include "hal/tracker/liberty_commands.h"
 
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstdio>

@@ -3,21 +3,14 @@
 // settings back.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "hal/tracker/liberty_protocol.h"
+#include "hal/tracker/wire_command.h"
 
 namespace sonoband::liberty {
 
-struct Command {
-  std::array<std::uint8_t, 64> storage{};
-  std::size_t size = 0;
-
-  std::span<const std::uint8_t> bytes() const { return {storage.data(), size}; }
-};
+using Command = WireCommand;
 
 constexpr int all_stations = 0;  // written '*'
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <span>
 
+#include "hal/tracker/codec.h"
 #include "hal/tracker/liberty_protocol.h"
 
 namespace sonoband::liberty {
@@ -25,13 +26,6 @@ struct Expectation {
   std::optional<Tag> tag;                         // known once the unit has identified itself
   std::size_t stream_body_bytes = 0;              // of the configured list; 0 while any list may be set
   Duration incomplete_limit = from_seconds(0.1);  // three frame periods while streaming
-};
-
-struct ParserCounters {
-  std::uint64_t frames = 0;
-  std::uint64_t resync_events = 0;
-  std::uint64_t resync_bytes = 0;  // every byte that belongs to no frame handed out
-  std::uint64_t truncated = 0;     // frames whose rest never came
 };
 
 class StreamParser {
@@ -53,7 +47,7 @@ class StreamParser {
   // The next whole frame. Call until false after each push, and once after each read that brought nothing.
   bool next(Packet& out, Stamp now);
 
-  const ParserCounters& counters() const { return counters_; }
+  const WireCounters& counters() const { return counters_; }
 
  private:
   enum class Judgement : std::uint8_t { good, bad, incomplete };
@@ -71,7 +65,7 @@ class StreamParser {
   std::size_t end_ = 0;
   Stamp last_push_{};
   bool resync_ = false;
-  ParserCounters counters_;
+  WireCounters counters_;
 };
 
 }  // namespace sonoband::liberty

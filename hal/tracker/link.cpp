@@ -5,8 +5,6 @@
 
 namespace sonoband {
 
-using namespace liberty;
-
 namespace {
 
 constexpr Duration look_for_device = std::chrono::seconds(1);
@@ -22,31 +20,26 @@ constexpr Duration stall_window = std::chrono::seconds(10);
 constexpr int max_io_errors = 3;
 constexpr Duration watch_every = std::chrono::milliseconds(10);
 
-Duration period_of(Tag tag, Rate rate) {
-  if (tag == Tag::patriot) return from_seconds(1.0 / 60);
-  return from_seconds(rate == Rate::hz_240 ? 1.0 / 240 : 1.0 / 120);
-}
-
-LinkReason reason_of(Setup::Status status) {
+LinkReason reason_of(SetupStatus status) {
   switch (status) {
-    case Setup::Status::refused:
+    case SetupStatus::refused:
       return LinkReason::refused;
-    case Setup::Status::mismatch:
+    case SetupStatus::mismatch:
       return LinkReason::mismatch;
-    case Setup::Status::hardware:
+    case SetupStatus::hardware:
       return LinkReason::hardware;
     default:
       return LinkReason::no_answer;
   }
 }
 
-LinkState state_of(Setup::Stage stage) {
+LinkState state_of(SetupStage stage) {
   switch (stage) {
-    case Setup::Stage::identify:
+    case SetupStage::identify:
       return LinkState::identifying;
-    case Setup::Stage::configure:
+    case SetupStage::configure:
       return LinkState::configuring;
-    case Setup::Stage::verify:
+    case SetupStage::verify:
       return LinkState::verifying;
   }
   return LinkState::identifying;
@@ -69,7 +62,7 @@ LinkOutput Link::turn(const LinkInput& in) {
     on_closed_port(in);
     return out_;
   }
-  if (!opened_) on_opened(in.now);
+  if (!opened_) on_opened(in);
   if (leaving_ && state_ != LinkState::closing && state_ != LinkState::closed)
     begin_quiesce(Quiesce::Purpose::leave, in.now);
 
@@ -83,7 +76,7 @@ void Link::on_closed_port(const LinkInput& in) {
   if (opened_) {
     opened_ = false;
     streaming_.mark_all_missing(in.now);
-    parser_.reset();
+    codec_->forget_bytes();
     if (!resetting_) {
       out_.action = LinkOutput::PortAction::release;
       next_open_ = in.now;
@@ -123,16 +116,17 @@ void Link::on_closed_port(const LinkInput& in) {
   out_.wake = std::max(next_open_, in.now);
 }
 
-void Link::on_opened(Stamp now) {
+void Link::on_opened(const LinkInput& in) {
+  codec_ = in.family == TrackerFamily::viper ? static_cast<Codec*>(&viper_) : &liberty_;
   opened_ = true;
   if (!resetting_) {
-    ladder_.came(now);
+    ladder_.came(in.now);
     gave_up_ = false;
     reason_ = LinkReason::none;
   }
   resetting_ = false;
   io_errors_in_a_row_ = 0;
-  begin_quiesce(Quiesce::Purpose::connect, now);
+  begin_quiesce(Quiesce::Purpose::connect, in.now);
 }
 
 // True if this turn is over.
@@ -157,7 +151,7 @@ bool Link::on_transfer_trouble(const LinkInput& in) {
 
 void Link::on_stall(const LinkInput& in) {
   ++counters_.stalls;
-  parser_.reset();
+  codec_->forget_bytes();
   stalls_[stall_] = in.now;
   stall_ = (stall_ + 1) % stalls_.size();
   const bool third = counters_.stalls >= stalls_.size() && in.now - stalls_[stall_] < stall_window;
@@ -182,22 +176,21 @@ void Link::on_stall(const LinkInput& in) {
 void Link::parse(const LinkInput& in) {
   const bool streams = state_ == LinkState::starting || state_ == LinkState::streaming;
   if (!streams && !in_setup(state_)) return;
-  [[maybe_unused]] const std::size_t taken = parser_.push(in.bytes, in.now);
-  assert(taken == in.bytes.size());
-  Packet packet;
-  while (parser_.next(packet, in.now)) {
-    if (streams)
-      streaming_.take(packet, counters_);
-    else
-      setup_.take(packet);
+  if (streams) {
+    codec_->hear_records(in.bytes, in.now, streaming_, counters_);
+  } else {
+    const std::uint32_t notices = codec_->setup_progress().notices;
+    codec_->hear_answers(in.bytes, in.now);
+    counters_.notices += codec_->setup_progress().notices - notices;
   }
-  counters_.resync_events = parser_.counters().resync_events;
-  counters_.resync_bytes = parser_.counters().resync_bytes;
-  counters_.truncated = parser_.counters().truncated;
+  const WireCounters& wire = codec_->wire_counters();
+  counters_.resync_events = wire.resync_events;
+  counters_.resync_bytes = wire.resync_bytes;
+  counters_.truncated = wire.truncated;
 }
 
 void Link::run_state(const LinkInput& in) {
-  Command command;
+  WireCommand command;
   out_.listen = true;
   switch (state_) {
     case LinkState::quiescing:
@@ -205,9 +198,7 @@ void Link::run_state(const LinkInput& in) {
         case Quiesce::Status::busy:
           break;
         case Quiesce::Status::quiet:
-          parser_.reset();
-          parser_.expect({});
-          setup_.begin(config_, in.now);
+          codec_->begin_setup(config_, in.now);
           state_ = LinkState::identifying;
           run_state({.now = in.now, .port = in.port, .recording = in.recording});
           return;
@@ -222,15 +213,14 @@ void Link::run_state(const LinkInput& in) {
     case LinkState::identifying:
     case LinkState::configuring:
     case LinkState::verifying: {
-      const std::uint32_t notices = setup_.notices();
-      const Setup::Status status = setup_.turn(in.now, command);
-      counters_.notices += setup_.notices() - notices;
-      if (setup_.last_error() != 0) counters_.last_error = setup_.last_error();
-      state_ = state_of(setup_.stage());
-      if (status == Setup::Status::busy) {
+      const SetupStatus status = codec_->setup_turn(in.now, command);
+      const SetupProgress progress = codec_->setup_progress();
+      if (progress.last_error != 0) counters_.last_error = progress.last_error;
+      state_ = state_of(progress.stage);
+      if (status == SetupStatus::busy) {
         send(command);
-        out_.wake = setup_.wake();
-      } else if (status == Setup::Status::done) {
+        out_.wake = progress.wake;
+      } else if (status == SetupStatus::done) {
         begin_start(start_tries, in.now);
       } else {
         trouble(reason_of(status), in);
@@ -281,8 +271,7 @@ void Link::run_starting(Stamp now) {
     return;
   }
   if (now < deadline_) return;
-  const StationMap stations = setup_.stations();
-  if ((stations.detected & stations.active) == 0) {
+  if (!codec_->setup_progress().sensor_present) {
     // The unit answered and there is nothing to hear: it finds a sensor by itself once it is plugged in.
     reason_ = LinkReason::probe_silent;
     if (now - waiting_since_ >= ask_stations_again) {
@@ -290,18 +279,18 @@ void Link::run_starting(Stamp now) {
       return;
     }
     deadline_ = now + start_again;
-    send(command::start_continuous());
+    send(codec_->start(false));
     return;
   }
   if (start_tries_left_ > 0) {
     --start_tries_left_;
     deadline_ = now + first_record;
-    send(command::start_continuous());
+    send(codec_->start(false));
   }
 }
 
 void Link::run_streaming(const LinkInput& in) {
-  const LinkReason verdict = streaming_.watch(in.now, parser_.counters().resync_bytes);
+  const LinkReason verdict = streaming_.watch(in.now, codec_->wire_counters().resync_bytes);
   if (verdict != LinkReason::none) {
     trouble(verdict, in);
     return;
@@ -315,25 +304,19 @@ void Link::run_streaming(const LinkInput& in) {
 
 void Link::begin_quiesce(Quiesce::Purpose purpose, Stamp now) {
   state_ = purpose == Quiesce::Purpose::leave ? LinkState::closing : LinkState::quiescing;
-  quiesce_.begin(purpose, now);
+  quiesce_.begin(purpose, codec_->quiet_words(), now);
   out_.listen = true;
   out_.wake = now;
 }
 
 void Link::begin_start(int tries, Stamp now) {
-  period_ = period_of(setup_.identity().tag, config_.rate);
-  parser_.expect({.tag = setup_.identity().tag,
-                  .stream_body_bytes = tracking_list.body_bytes(),
-                  .incomplete_limit = 3 * period_});
+  period_ = codec_->begin_stream(config_);
   streaming_.begin(config_, period_, now);
   state_ = LinkState::starting;
   start_tries_left_ = tries - 1;
   deadline_ = now + first_record;
   waiting_since_ = now;
-  Command start = command::reset_counters();
-  const Command stream = command::start_continuous();
-  for (const std::uint8_t byte : stream.bytes()) start.storage[start.size++] = byte;
-  send(start);
+  send(codec_->start(true));
 }
 
 void Link::close_to_reset(Duration pause, Stamp now) {
@@ -350,7 +333,7 @@ void Link::trouble(LinkReason why, const LinkInput& in) {
   ++counters_.recoveries;
   reason_ = why;
   streaming_.mark_all_missing(in.now);
-  parser_.reset();
+  codec_->forget_bytes();
   switch (ladder_.next(why, in.now, in.recording)) {
     case Rung::none:
     case Rung::restart:
@@ -363,7 +346,7 @@ void Link::trouble(LinkReason why, const LinkInput& in) {
       close_to_reset(after_reset, in.now);
       break;
     case Rung::reinitialise:
-      send(command::reinitialise());
+      send(codec_->reinitialise());
       reason_ = LinkReason::reinitialising;
       ladder_.restarted(in.now);
       state_ = LinkState::reinitialising;
@@ -381,7 +364,7 @@ void Link::trouble(LinkReason why, const LinkInput& in) {
   }
 }
 
-void Link::send(const Command& c) {
+void Link::send(const WireCommand& c) {
   sending_ = c;
   out_.write = sending_.bytes();
 }

@@ -1,4 +1,4 @@
-// The conversation with a LIBERTY or PATRIOT as a machine that owns no port, no thread and no clock: each
+// The conversation with a tracker as a machine that owns no port, no thread and no clock: each
 // turn takes the time, what came in and how the port is, and gives what to send and what to do with the port.
 // So every state and every watchdog is tested with made-up time.
 //
@@ -14,12 +14,12 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/tracker/liberty_parser.h"
+#include "hal/tracker/liberty_codec.h"
 #include "hal/tracker/link_types.h"
 #include "hal/tracker/quiesce.h"
 #include "hal/tracker/recovery_ladder.h"
-#include "hal/tracker/setup.h"
 #include "hal/tracker/streaming.h"
+#include "hal/tracker/viper_codec.h"
 
 namespace sonoband {
 
@@ -44,11 +44,11 @@ class Link {
   // Every cure was tried; it still tries, but the operator is needed.
   bool gave_up() const { return gave_up_; }
   const LinkCounters& counters() const { return counters_; }
-  const liberty::Identity& identity() const { return setup_.identity(); }
+  const char* identity() const { return codec_->identity(); }
 
  private:
   void on_closed_port(const LinkInput& in);
-  void on_opened(Stamp now);
+  void on_opened(const LinkInput& in);
   bool on_transfer_trouble(const LinkInput& in);
   void on_stall(const LinkInput& in);
   void parse(const LinkInput& in);
@@ -60,7 +60,7 @@ class Link {
   void begin_start(int tries, Stamp now);
   void close_to_reset(Duration pause, Stamp now);
   void trouble(LinkReason why, const LinkInput& in);
-  void send(const liberty::Command& c);
+  void send(const WireCommand& c);
 
   LinkConfig config_;
   LinkState state_ = LinkState::absent;
@@ -72,9 +72,10 @@ class Link {
   Stamp reset_at_{};
   Stamp next_open_{};
 
-  liberty::StreamParser parser_;
+  LibertyCodec liberty_;
+  ViperCodec viper_;
+  Codec* codec_ = &liberty_;  // of the open port
   Quiesce quiesce_;
-  Setup setup_;
   Streaming streaming_;
   RecoveryLadder ladder_;
   LinkCounters counters_;
@@ -87,7 +88,7 @@ class Link {
   std::size_t stall_ = 0;
   int io_errors_in_a_row_ = 0;
 
-  liberty::Command sending_;
+  WireCommand sending_;
   LinkOutput out_;
 };
 

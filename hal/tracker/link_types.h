@@ -1,6 +1,7 @@
 // The values that go into and come out of the link's state machine.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,23 +9,26 @@
 #include "core/sweep/pose_sample.h"
 #include "core/time.h"
 #include "hal/tracker/byte_port.h"
-#include "hal/tracker/liberty_commands.h"
-#include "hal/tracker/liberty_records.h"
 
 namespace sonoband {
 
+enum class RecordRate : std::uint8_t { hz_120, hz_240 };
+
+constexpr int most_stations = 16;  // of any unit
+
 struct LinkConfig {
-  int probe_station = 1;                       // where the probe's sensor is plugged in
-  liberty::Rate rate = liberty::Rate::hz_240;  // of a LIBERTY; a PATRIOT always gives 60 Hz
-  liberty::Vector3 hemisphere{1, 0, 0};        // from the source towards the couch; see command::hemisphere
+  int probe_station = 1;                     // where the probe's sensor is plugged in
+  RecordRate rate = RecordRate::hz_240;      // of a LIBERTY or VIPER; a PATRIOT always gives 60 Hz
+  std::array<float, 3> hemisphere{1, 0, 0};  // from the source towards the couch, any length
 };
 
 // One turn of the machine: what came in, and when.
 struct LinkInput {
-  Stamp now{};                                   // when the read returned: the arrival stamp of `bytes`
-  PortState port = PortState::absent;            // as open() said, or gone once a transfer said so
-  TransferStatus transfer = TransferStatus::ok;  // the worse of the write and the read since the last turn
-  std::span<const std::uint8_t> bytes{};         // at most LinkOutput::max_read
+  Stamp now{};                                    // when the read returned: the arrival stamp of `bytes`
+  PortState port = PortState::absent;             // as open() said, or gone once a transfer said so
+  TrackerFamily family = TrackerFamily::liberty;  // of an open port
+  TransferStatus transfer = TransferStatus::ok;   // the worse of the write and the read since the last turn
+  std::span<const std::uint8_t> bytes{};          // at most LinkOutput::max_read
   bool recording =
       false;  // while true the unit is not restarted, whatever happens: it would be gone for 10 s
 };

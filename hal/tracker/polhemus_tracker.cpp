@@ -104,6 +104,7 @@ void PolhemusTracker::take_turn(Stamp until) {
   in.now = clock_.now();
   if (in.transfer == TransferStatus::gone) port_state_ = PortState::gone;
   in.port = port_state_;
+  if (port_state_ == PortState::open) in.family = port_.family();
 
   const Stamp asked = next_.wake;
   if (in.bytes.empty() && in.transfer == TransferStatus::ok && !next_.listen && in.now < asked) return;

@@ -8,15 +8,10 @@ constexpr Duration longest_drain = std::chrono::seconds(2);
 constexpr std::size_t largest_drain = 64 * 1024;
 constexpr int max_attempts = 3;
 
-liberty::Command line_end_and_stop() {
-  liberty::Command c = liberty::command::end_line();
-  c.storage[c.size++] = liberty::command::poll().storage[0];
-  return c;
-}
-
 }  // namespace
 
-void Quiesce::begin(Purpose purpose, Stamp now) {
+void Quiesce::begin(Purpose purpose, const QuietWords& words, Stamp now) {
+  words_ = words;
   purpose_ = purpose;
   stage_ = Stage::stop;
   attempts_ = 0;
@@ -34,7 +29,7 @@ Stamp Quiesce::wake() const {
   return last_bytes_ + silence;
 }
 
-Quiesce::Status Quiesce::turn(Stamp now, std::size_t bytes, liberty::Command& write) {
+Quiesce::Status Quiesce::turn(Stamp now, std::size_t bytes, WireCommand& write) {
   write = {};
   if (bytes > 0) last_bytes_ = now;
   drained_ += bytes;
@@ -43,7 +38,7 @@ Quiesce::Status Quiesce::turn(Stamp now, std::size_t bytes, liberty::Command& wr
 
   switch (stage_) {
     case Stage::stop:
-      write = attempts_ == 0 ? liberty::command::poll() : line_end_and_stop();
+      write = attempts_ == 0 ? words_.stop : words_.stop_again;
       ++attempts_;
       send(Stage::stopping, now);
       return Status::busy;
@@ -55,11 +50,12 @@ Quiesce::Status Quiesce::turn(Stamp now, std::size_t bytes, liberty::Command& wr
         stage_ = Stage::stop;
         return turn(now, 0, write);
       }
-      if (stage_ == Stage::ending_line || purpose_ == Purpose::leave) return Status::quiet;
+      if (stage_ == Stage::ending_line || purpose_ == Purpose::leave || words_.end_line.size == 0)
+        return Status::quiet;
       stage_ = Stage::end_line;
       [[fallthrough]];
     case Stage::end_line:
-      write = liberty::command::end_line();
+      write = words_.end_line;
       send(Stage::ending_line, now);
       return Status::busy;
   }

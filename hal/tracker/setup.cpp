@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "hal/tracker/liberty_commands.h"
+
 namespace sonoband {
 
 using namespace liberty;
@@ -15,6 +17,10 @@ constexpr Duration format_look =
 constexpr Duration answer_wait = std::chrono::milliseconds(500);
 constexpr int max_tries = 3;
 constexpr int max_rounds = 2;
+
+Rate rate_of(const LinkConfig& config) {
+  return config.rate == RecordRate::hz_240 ? Rate::hz_240 : Rate::hz_120;
+}
 
 }  // namespace
 
@@ -57,9 +63,10 @@ void Setup::begin_stage(Stage stage) {
       set(command::output_list(all_stations, tracking_list));
       set(command::position_filter_off());
       set(command::attitude_filter_off());
-      if (has_rates) set(command::rate(config_.rate));
+      if (has_rates) set(command::rate(rate_of(config_)));
       set(command::usb_buffering(false), true);
-      set(command::hemisphere(all_stations, config_.hemisphere));
+      set(command::hemisphere(all_stations,
+                              {config_.hemisphere[0], config_.hemisphere[1], config_.hemisphere[2]}));
       // Left by someone else these would turn or shift every calibration.
       set(command::clear_boresight(all_stations));
       set(command::clear_alignment(all_stations));
@@ -93,7 +100,7 @@ bool Setup::judge(const Packet& packet) {
     case Exchange::Expect::list:
       return decode_output_list(packet) == tracking_list;
     case Exchange::Expect::rate:
-      return decode_number(packet) == static_cast<std::int32_t>(config_.rate);
+      return decode_number(packet) == static_cast<std::int32_t>(rate_of(config_));
     case Exchange::Expect::filter_off: {
       const auto f = decode_filter(packet);
       return f && (*f)[0] == 0 && (*f)[1] == 1;
@@ -101,7 +108,7 @@ bool Setup::judge(const Packet& packet) {
     case Exchange::Expect::hemisphere: {
       const auto v = decode_vector(packet);
       if (!v) return false;
-      const Eigen::Vector3f set(config_.hemisphere.x, config_.hemisphere.y, config_.hemisphere.z);
+      const Eigen::Vector3f set(config_.hemisphere.data());
       // The length means nothing; the unit may have made it 1.
       return (Eigen::Vector3f(v->data()).normalized() - set.normalized()).norm() < 1e-3F;
     }

@@ -1,4 +1,5 @@
-// From a quiet unit to a configured one: identify it, set everything the stream depends on, read it back.
+// From a quiet LIBERTY or PATRIOT to a configured one: identify it, set everything the stream depends on,
+// read it back.
 //
 // Nothing of what the unit was set to before is believed: settings survive whoever used it last, and a stored
 // start-up set can hold any of them. A setting is answered by silence, so each is followed by a short look
@@ -9,19 +10,20 @@
 #include <cstdint>
 #include <optional>
 
-#include "hal/tracker/link_types.h"
+#include "hal/tracker/codec.h"
+#include "hal/tracker/liberty_records.h"
 
 namespace sonoband {
 
 class Setup {
  public:
-  enum class Status : std::uint8_t { busy, done, no_answer, refused, mismatch, hardware };
-  enum class Stage : std::uint8_t { identify, configure, verify };
+  using Status = SetupStatus;
+  using Stage = SetupStage;
 
   void begin(const LinkConfig& config, Stamp now);
   // A frame that came since the last turn. Give all of them, then turn().
   void take(const liberty::Packet& packet);
-  Status turn(Stamp now, liberty::Command& write);
+  Status turn(Stamp now, WireCommand& write);
   Stamp wake() const { return deadline_; }
   Stage stage() const { return stage_; }
 
@@ -33,7 +35,7 @@ class Setup {
  private:
   // One command, and what comes back: an answer that `expect` judges, or silence.
   struct Exchange {
-    liberty::Command command;
+    WireCommand command;
     std::uint8_t reply = 0;  // command byte of the answer; 0: none comes
     Duration wait{};         // for the answer, or for an error
     enum class Expect : std::uint8_t {
@@ -51,9 +53,9 @@ class Setup {
 
   void begin_stage(Stage stage);
   void add(const Exchange& e);
-  void set(const liberty::Command& c, bool may_be_refused = false);
-  void ask(const liberty::Command& c, char reply, Exchange::Expect expect);
-  void send(Stamp now, liberty::Command& write);
+  void set(const WireCommand& c, bool may_be_refused = false);
+  void ask(const WireCommand& c, char reply, Exchange::Expect expect);
+  void send(Stamp now, WireCommand& write);
   bool judge(const liberty::Packet& packet);  // of an answer: as expected?
 
   LinkConfig config_;

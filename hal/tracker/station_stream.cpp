@@ -4,8 +4,6 @@
 
 namespace sonoband {
 
-using namespace liberty;
-
 namespace {
 
 constexpr double hemisphere_slack_mm = 10;
@@ -18,7 +16,7 @@ void StationStream::begin(int station, const LinkConfig& config, Duration period
   *this = StationStream();
   last_ = last;  // for the mark, and so that time goes on
   station_ = station;
-  hemisphere_ = Eigen::Vector3d(config.hemisphere.x, config.hemisphere.y, config.hemisphere.z);
+  hemisphere_ = Eigen::Vector3f(config.hemisphere.data()).cast<double>();
   if (!hemisphere_.isZero()) hemisphere_.normalize();
   period_ = period;
   next_epoch_ = &next_epoch;
@@ -35,7 +33,7 @@ void StationStream::new_epoch() {
   placed_frame_.reset();
 }
 
-std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, LinkCounters& counters,
+std::optional<Reading> StationStream::take(const StationRecord& record, Stamp arrived, LinkCounters& counters,
                                            LinkReason& reason) {
   heard_ = true;
   last_heard_ = arrived;
@@ -43,7 +41,7 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
   const bool same_pose = record.position_mm == last_record_.position_mm &&
                          record.quaternion_wxyz == last_record_.quaternion_wxyz;
   last_record_ = record;
-  const FrameCounter::Verdict order = frames_.judge(*record.frame, *record.time_ms, same_pose);
+  const FrameCounter::Verdict order = frames_.judge(record.frame, record.time_ms, same_pose);
   lost_ += order.lost;
   switch (order.step) {
     case FrameCounter::Step::duplicate:
@@ -59,7 +57,7 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
       break;
   }
 
-  std::optional<Stamp> time = filter_.on_arrival(*record.frame, arrived);
+  std::optional<Stamp> time = filter_.on_arrival(record.frame, arrived);
   if (filter_.broken() != broken_) {
     broken_ = filter_.broken();
     epoch_ = (*next_epoch_)++;
@@ -73,37 +71,20 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
     pose.quality = q;
     reason = r;
   };
-  switch (classify(record.error)) {
-    case ErrorKind::none:
-    case ErrorKind::notice:
-      break;
-    case ErrorKind::self_test:
-      worse(PoseQuality::degraded, LinkReason::self_test);
-      break;
-    case ErrorKind::outside_map:
-      worse(PoseQuality::outside, LinkReason::outside_map);
-      break;
-    default:
-      worse(PoseQuality::fault, LinkReason::source_fault);
-      break;
-  }
-  if (usable(pose.quality) && *record.distortion == 1)
-    worse(PoseQuality::degraded, LinkReason::some_distortion);
-  if (usable(pose.quality) && *record.distortion == 2)
-    worse(PoseQuality::distorted, LinkReason::high_distortion);
+  if (record.reason != LinkReason::none) worse(record.quality, record.reason);
 
-  const Eigen::Vector4d& wxyz = *record.quaternion_wxyz;
+  const Eigen::Vector4d& wxyz = record.quaternion_wxyz;
   Eigen::Quaterniond q = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
   // A unit that was told its hemisphere reports nothing outside it, so this is damage; a first reading has no
   // predecessor that would show it.
-  const bool outside_hemisphere = record.position_mm->dot(hemisphere_) < -hemisphere_slack_mm;
+  const bool outside_hemisphere = record.position_mm.dot(hemisphere_) < -hemisphere_slack_mm;
   if (outside_hemisphere) {
     ++counters.mirrored;
     worse(PoseQuality::outside, LinkReason::mirrored);
   } else if (usable(pose.quality) || pose.quality == PoseQuality::distorted) {
-    const std::uint32_t frames = placed_frame_ ? *record.frame - *placed_frame_ : 0;
+    const std::uint32_t frames = placed_frame_ ? record.frame - *placed_frame_ : 0;
     placed_frame_ = record.frame;
-    switch (continuity_.judge(*record.position_mm, q, frames * period_)) {
+    switch (continuity_.judge(record.position_mm, q, frames * period_)) {
       case PoseContinuity::Step::follows:
         break;
       case PoseContinuity::Step::mirrored:
@@ -125,10 +106,10 @@ std::optional<Reading> StationStream::take(const Record& record, Stamp arrived, 
   }
   if (last_ && *time <= last_->time) *time = last_->time + Duration(1);
   pose.time = *time;
-  pose.tracker_from_probe = rigid<frame::Tracker, frame::Probe>(q, *record.position_mm);
+  pose.tracker_from_probe = rigid<frame::Tracker, frame::Probe>(q, record.position_mm);
   pose.epoch = epoch_;
-  pose.device_frame = *record.frame;
-  pose.device_ms = *record.time_ms;
+  pose.device_frame = record.frame;
+  pose.device_ms = record.time_ms.value_or(0);
   pose.arrived = arrived;
   last_ = pose;
   ++counters.readings;

@@ -5,8 +5,6 @@
 
 namespace sonoband {
 
-using namespace liberty;
-
 namespace {
 
 constexpr Duration all_silent = std::chrono::milliseconds(250);
@@ -17,10 +15,10 @@ constexpr std::uint64_t unframed_limit = 1000;  // bytes a second; one station a
 }  // namespace
 
 void Streaming::begin(const LinkConfig& config, Duration period, Stamp now) {
-  assert(config.probe_station >= 1 && config.probe_station <= max_stations);
+  assert(config.probe_station >= 1 && config.probe_station <= most_stations);
   config_ = config;
   period_ = period;
-  for (int s = 1; s <= max_stations; ++s)
+  for (int s = 1; s <= most_stations; ++s)
     stations_[static_cast<std::size_t>(s - 1)].begin(s, config, period, next_epoch_, now);
   heard_ = false;
   last_heard_ = now;
@@ -36,32 +34,26 @@ void Streaming::put(const Reading& reading) {
   if (count_ < max_readings) readings_[count_++] = reading;
 }
 
-void Streaming::take(const Packet& packet, LinkCounters& counters) {
-  if (classify(packet.error) != ErrorKind::none) counters.last_error = packet.error;
-  const auto record = packet.command == stream_command
-                          ? decode_record(packet, tracking_list, Units::centimetres)
-                          : std::nullopt;
-  if (!record) {
-    if (classify(packet.error) == ErrorKind::hardware) hardware_failed_ = true;
-    ++counters.notices;
-    return;
-  }
+void Streaming::take_impossible(Stamp arrived, LinkCounters& counters) {
   heard_ = true;
-  last_heard_ = packet.arrived;
-  if (check_values(*record) != ValueFault::none) {
-    ++counters.bad_values;
-    return;
-  }
+  last_heard_ = arrived;
+  ++counters.bad_values;
+}
+
+void Streaming::take(const StationRecord& record, Stamp arrived, LinkCounters& counters) {
+  assert(record.station >= 1 && record.station <= most_stations);
+  heard_ = true;
+  last_heard_ = arrived;
   LinkReason complaint = LinkReason::none;
-  StationStream& station = stations_[static_cast<std::size_t>(record->station - 1)];
+  StationStream& station = stations_[static_cast<std::size_t>(record.station - 1)];
   const std::uint64_t lost_before = station.lost();
-  if (const auto reading = station.take(*record, packet.arrived, counters, complaint)) put(*reading);
-  if (record->station == config_.probe_station) {
+  if (const auto reading = station.take(record, arrived, counters, complaint)) put(*reading);
+  if (record.station == config_.probe_station) {
     counters.lost += station.lost() - lost_before;
     probe_silent_ = false;
     if (complaint != LinkReason::none) {
       complaint_ = complaint;
-      complained_ = packet.arrived;
+      complained_ = arrived;
     }
   }
 }

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/tracker/liberty_parser.h"
 #include "hal/tracker/link_types.h"
 #include "hal/tracker/station_stream.h"
 
@@ -31,7 +30,10 @@ class Streaming {
   void begin(const LinkConfig& config, Duration period, Stamp now);
   void clear_readings() { count_ = 0; }
 
-  void take(const liberty::Packet& packet, LinkCounters& counters);
+  void take(const StationRecord& record, Stamp arrived, LinkCounters& counters);
+  // A record came, but of impossible values: no reading, though not silence either.
+  void take_impossible(Stamp arrived, LinkCounters& counters);
+  void hardware_failed() { hardware_failed_ = true; }
   // none while all is well; `unframed_bytes` is the parser's running count.
   LinkReason watch(Stamp now, std::uint64_t unframed_bytes);
   void mark_all_missing(Stamp now);
@@ -51,7 +53,7 @@ class Streaming {
 
   LinkConfig config_;
   Duration period_{};
-  std::array<StationStream, liberty::max_stations> stations_;
+  std::array<StationStream, most_stations> stations_;
   std::uint32_t next_epoch_;
   std::array<Reading, max_readings> readings_;
   std::size_t count_ = 0;

@@ -30,12 +30,15 @@ void require(bool held, const char* what) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Link link{LinkConfig{}};
   std::span<const std::uint8_t> rest(data, size);
+  // Inputs that begin with a V are talked to as a VIPER.
+  const bool viper = !rest.empty() && rest[0] == 'V';
+  if (viper) rest = rest.subspan(1);
   Stamp now{std::chrono::seconds(1000)};
   PortState port = PortState::absent;
   LinkOutput out;
   int turns_without_time = 0;
   Stamp last_turn{};
-  std::array<std::optional<PoseSample>, liberty::max_stations + 1> last;
+  std::array<std::optional<PoseSample>, static_cast<std::size_t>(most_stations) + 1> last;
 
   while (rest.size() >= 2) {
     const std::uint8_t choice = rest[0];
@@ -53,6 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (in.transfer == TransferStatus::gone) port = PortState::gone;
     }
     in.port = port;
+    in.family = viper ? TrackerFamily::viper : TrackerFamily::liberty;
     if (port == PortState::open && out.listen) {
       in.bytes = rest.first(std::min(wanted, rest.size()));
       rest = rest.subspan(in.bytes.size());
@@ -68,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(out.write.size() <= 64, "one transfer");
     require(operator_sentence(link.reason()) != nullptr, "a sentence for each reason");
     for (const Reading& r : link.readings()) {
-      require(r.station >= 1 && r.station <= liberty::max_stations, "a station that exists");
+      require(r.station >= 1 && r.station <= most_stations, "a station that exists");
       auto& previous = last[static_cast<std::size_t>(r.station)];
       const PoseSample& p = r.pose;
       if (previous)

@@ -24,7 +24,7 @@ struct Parsed {
   std::vector<std::uint32_t> frames;
   std::vector<std::uint8_t> replies;  // command bytes
   std::size_t bytes = 0;              // in frames handed out
-  ParserCounters counters;
+  WireCounters counters;
 };
 
 class Feed {

@@ -27,7 +27,7 @@ TEST(PolhemusTracker, ConnectsAndStreams) {
   EXPECT_EQ(rig.counters().lost, 0u);
   EXPECT_EQ(rig.counters().resync_bytes, 0u);
   EXPECT_EQ(rig.counters().recoveries, 0u);
-  EXPECT_STREQ(rig.tracker.link().identity().text.data(), "Simulated LIBERTY");
+  EXPECT_STREQ(rig.tracker.link().identity(), "Simulated LIBERTY");
 }
 
 TEST(PolhemusTracker, ReadTakesNoHeap) {
@@ -87,7 +87,7 @@ TEST(PolhemusTracker, PatriotAt60Hz) {
 }
 
 TEST(PolhemusTracker, HalfRate) {
-  Rig rig({}, {.rate = liberty::Rate::hz_120});
+  Rig rig({}, {.rate = RecordRate::hz_120});
   rig.start();
   rig.run(2);
   const std::size_t before = rig.samples.size();

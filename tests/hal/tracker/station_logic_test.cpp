@@ -154,12 +154,11 @@ TEST(StationStream, AMarkOfSilenceIsAfterTheLastReadingAndNeverAheadOfTheClock) 
   Stamp now = start;
   for (std::uint32_t frame = 1; frame <= 60; ++frame) {
     now = start + frame * period;
-    liberty::Record record;
+    StationRecord record;
     record.position_mm = Eigen::Vector3d(100 + 0.1 * frame, 0, 0);
     record.quaternion_wxyz = Eigen::Vector4d(1, 0, 0, 0);
     record.frame = frame;
     record.time_ms = ms(frame);
-    record.distortion = 0;
     last = stream.take(record, now, counters, reason);
   }
   ASSERT_TRUE(last);

@@ -40,7 +40,7 @@ class Rig {
  public:
   explicit Rig(const sim::LibertySimConfig& config = {}, const LinkConfig& link = {})
       : period_(config.unit.model == sim::TrackerModel::patriot ? 1.0 / 60
-                : link.rate == liberty::Rate::hz_120            ? 1.0 / 120
+                : link.rate == RecordRate::hz_120               ? 1.0 / 120
                                                                 : 1.0 / 240),
         model_(config.unit.model),
         drift_(1 + config.unit.clock_drift_ppm * 1e-6),

@@ -1,4 +1,4 @@
-#include "hal/sim/liberty_sim.h"
+#include "hal/sim/tracker_bus.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,37 +25,38 @@ std::vector<Fault> by_time(std::vector<Fault> faults) {
 
 }  // namespace
 
-LibertySim::LibertySim(Clock& clock, const LibertySimConfig& config, ProbePose pose)
+TrackerBus::TrackerBus(Clock& clock, TrackerFamily family, const TrackerBusConfig& bus,
+                       std::vector<Fault> faults, std::uint64_t seed, const MakeUnit& make_unit)
     : clock_(clock),
-      bus_(config.bus),
-      faults_(by_time(config.faults)),
-      unit_(
-          config.unit, std::move(pose),
+      family_(family),
+      bus_(bus),
+      faults_(by_time(std::move(faults))),
+      unit_(make_unit(
           [this](Stamp sent, std::span<const std::uint8_t> bytes, int s) { on_sent(sent, bytes, s); },
-          clock.now()),
+          clock.now())),
       chunks_(chunk_capacity),
-      seed_(hash(config.unit.seed, 0x75b)) {
+      seed_(hash(seed, 0x75b)) {
   const Stamp now = clock.now();
   last_arrival_ = now;
   next_burst_ =
       now + from_seconds(bus_.bursts_per_minute > 0 ? 60 / bus_.bursts_per_minute * uniform() : 1e9);
 }
 
-double LibertySim::uniform() {
+double TrackerBus::uniform() {
   return sim::uniform(seed_, random_++);
 }
 
-void LibertySim::advance(Stamp now) {
+void TrackerBus::advance(Stamp now) {
   while (next_fault_ < faults_.size() && faults_[next_fault_].at <= now) {
     const Fault& f = faults_[next_fault_++];
-    unit_.advance(f.at);
+    unit_->advance(f.at);
     inject(f);
   }
-  unit_.advance(now);
+  unit_->advance(now);
   if (now < stalls_until_) halted_ = true;
 }
 
-void LibertySim::inject(const Fault& f) {
+void TrackerBus::inject(const Fault& f) {
   switch (f.kind) {
     case FaultKind::late:
       late_until_ = f.at + f.lasts;
@@ -78,7 +79,7 @@ void LibertySim::inject(const Fault& f) {
       plug_.off_bus_until = plug_.loader_until + reenumeration;
       plug_.left = open_;
       count_ = 0;
-      unit_.power_cycle(plug_.off_bus_until);
+      unit_->power_cycle(plug_.off_bus_until);
       return;
     case FaultKind::access_denied:
       plug_.denied_until = f.at + f.lasts;
@@ -87,21 +88,21 @@ void LibertySim::inject(const Fault& f) {
       plug_.busy_until = f.at + f.lasts;
       return;
     default:
-      unit_.inject(f);
+      unit_->inject(f);
       return;
   }
 }
 
 // Pulled out in the middle of a transfer: half of what was on its way last is all that is left.
-void LibertySim::tear_newest() {
+void TrackerBus::tear_newest() {
   if (count_ > 0) chunk(count_ - 1).bytes.size /= 2;
 }
 
-bool LibertySim::present(Stamp t) const {
+bool TrackerBus::present(Stamp t) const {
   return t >= plug_.away_until && t >= plug_.off_bus_until;
 }
 
-PortState LibertySim::open() {
+PortState TrackerBus::open() {
   const Stamp now = clock_.now();
   advance(now);
   if (now < plug_.away_until) return PortState::absent;
@@ -114,22 +115,22 @@ PortState LibertySim::open() {
   return PortState::open;
 }
 
-void LibertySim::close(Closing how) {
+void TrackerBus::close(Closing how) {
   advance(clock_.now());
   open_ = false;
   if (how == Closing::reset && present(clock_.now())) {
-    unit_.usb_reset();
+    unit_->usb_reset();
     halted_ = false;
     count_ = 0;
   }
 }
 
-void LibertySim::clear_halt() {
+void TrackerBus::clear_halt() {
   halted_ = false;
 }
 
 // Called by the unit, in order of time.
-void LibertySim::on_sent(Stamp sent, std::span<const std::uint8_t> bytes, int record_station) {
+void TrackerBus::on_sent(Stamp sent, std::span<const std::uint8_t> bytes, int record_station) {
   if (!present(sent) || halted_) return;
 
   // Bursts of lateness are the host's: nothing is lost in them.
@@ -152,8 +153,8 @@ void LibertySim::on_sent(Stamp sent, std::span<const std::uint8_t> bytes, int re
     if (chunk(i).record_station == record_station) newest_in_unit = i;
   }
   if (record_station != 0 && waiting >= room) {
-    if (unit_.buffering() && in_unit_bytes + bytes.size() > unit_fifo_bytes) return;
-    if (!unit_.buffering() && newest_in_unit < count_) {
+    if (unit_->buffering() && in_unit_bytes + bytes.size() > unit_fifo_bytes) return;
+    if (!unit_->buffering() && newest_in_unit < count_) {
       Chunk& replaced = chunk(newest_in_unit);
       replaced.taken = 0;
       replaced.bytes.size = bytes.size();
@@ -171,7 +172,7 @@ void LibertySim::on_sent(Stamp sent, std::span<const std::uint8_t> bytes, int re
   std::copy(bytes.begin(), bytes.end(), c.bytes.data.begin());
 }
 
-Transfer LibertySim::write(std::span<const std::uint8_t> bytes) {
+Transfer TrackerBus::write(std::span<const std::uint8_t> bytes) {
   const Stamp now = clock_.now();
   advance(now);
   if (!open_ || plug_.left || !present(now)) return {TransferStatus::gone, 0};
@@ -180,11 +181,11 @@ Transfer LibertySim::write(std::span<const std::uint8_t> bytes) {
     return {TransferStatus::io_error, 0};
   }
   if (halted_) return {TransferStatus::stalled, 0};
-  unit_.receive(bytes, now);
+  unit_->receive(bytes, now);
   return {TransferStatus::ok, bytes.size()};
 }
 
-Transfer LibertySim::take(std::span<std::uint8_t> into, Stamp now) {
+Transfer TrackerBus::take(std::span<std::uint8_t> into, Stamp now) {
   std::size_t n = 0;
   const std::size_t most = bus_.record_per_transfer ? into.size() : std::min(into.size(), bus_.max_packet);
   while (count_ > 0 && n < most) {
@@ -211,7 +212,7 @@ Transfer LibertySim::take(std::span<std::uint8_t> into, Stamp now) {
   return {n > 0 && uniform() < bus_.late_status ? TransferStatus::timed_out : TransferStatus::ok, n};
 }
 
-Transfer LibertySim::read(std::span<std::uint8_t> into, Duration timeout) {
+Transfer TrackerBus::read(std::span<std::uint8_t> into, Duration timeout) {
   Stamp now = clock_.now();
   const Stamp until = now + timeout;
   while (true) {
@@ -246,7 +247,7 @@ Transfer LibertySim::read(std::span<std::uint8_t> into, Duration timeout) {
     if (count_ > 0)
       next =
           std::min(next, chunk(0).taken > 0 ? std::max(second_piece_, chunk(0).arrives) : chunk(0).arrives);
-    next = std::min(next, unit_.next_send(now));
+    next = std::min(next, unit_->next_send(now));
     if (next_fault_ < faults_.size()) next = std::min(next, faults_[next_fault_].at);
     clock_.sleep_until(std::max(next, now + Duration(1)));
     now = clock_.now();
