@@ -16,6 +16,10 @@ int run_tool(int argc, const char* const* argv) {
   add_flow(tool);
   add_voxels(tool);
   add_convert(tool);
+  add_exams(tool);
+  add_export(tool);
+  add_import(tool);
+  add_verify(tool);
   try {
     tool.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -15,6 +15,10 @@ void add_render(CLI::App& tool);
 void add_manifold(CLI::App& tool);
 void add_flow(CLI::App& tool);
 void add_voxels(CLI::App& tool);
+void add_exams(CLI::App& tool);
+void add_export(CLI::App& tool);
+void add_import(CLI::App& tool);
+void add_verify(CLI::App& tool);
 
 // The whole program: 0 success, 1 bad input, 2 wrong usage.
 int run_tool(int argc, const char* const* argv);

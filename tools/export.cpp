@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include "app/exam/exam_reader.h"
+#include "app/exchange/exam_sequence.h"
+#include "app/exchange/png.h"
+#include "app/exchange/sequence_file.h"
+#include "app/exchange/stradwin.h"
+#include "core/reslice/band.h"
+#include "tools/exam_verbs.h"
+#include "tools/verbs.h"
+
+namespace sonoband::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string exam;
+  fs::path folder;
+  fs::path to;
+  std::string format = "mha";
+  std::int64_t sweep = 0;
+};
+
+void write_text(const fs::path& path, const std::string& text) {
+  exchange::FileBeside file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+void write_mask(const fs::path& path, ConstPixels mask) {
+  Pixels shown(mask.width, mask.height);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) shown.view()(x, y) = mask(x, y) != 0 ? 255 : 0;
+  exchange::write_png(exchange::grey_png(shown.view()), path);
+}
+
+void write_pictures(const exchange::ExportedSweep& sweep, const fs::path& stem, const std::string& exam) {
+  const exchange::TrackedSequence& s = sweep.sequence;
+  for (int i = 0; i < s.frame_count(); ++i) {
+    BandImage image;
+    image.pixels = Pixels(s.width, s.height);
+    std::copy_n(s.frame_pixels(i).data(), s.frame_bytes(), image.pixels.view().data);
+    image.kind = sweep.setup.kind;
+    exchange::PngPicture picture = exchange::band_png(image);
+    if (sweep.setup.probe_from_image) picture.pixel_mm = sweep.setup.probe_from_image->linear.col(0).norm();
+    const std::string* time = exchange::find_field(s.frames[i].fields, "Timestamp");
+    picture.texts = {
+        {"Software", "Sonoband"},
+        {"Source", exam + ", frame " + std::to_string(i)},
+        {"Comment", "Research use only. Captured at " + (time == nullptr ? "?" : *time) + " s."}};
+    char number[16];
+    std::snprintf(number, sizeof number, "-%05d.png", i);
+    exchange::write_png(picture, stem.string() + number);
+  }
+}
+
+void export_exam(const Options& options) {
+  const fs::path file = find_exam(options.exam, options.folder);
+  const exam::ExamReader exam(file);
+  std::error_code error;
+  fs::create_directories(options.to, error);
+  if (error) throw BadInput(options.to.string() + ": cannot be made: " + error.message());
+  int written = 0;
+  std::vector<std::string> damage;
+  for (const exam::SweepSummary& summary : exam.sweeps()) {
+    if (options.sweep != 0 && summary.id != options.sweep) continue;
+    const std::string name = file.stem().string() + "-sweep" + std::to_string(summary.id);
+    WorkProgress progress("exporting " + name);
+    const exchange::ExportedSweep sweep = exchange::sequence_from_exam(exam, summary.id, std::ref(progress));
+    damage.insert(damage.end(), sweep.damage.begin(), sweep.damage.end());
+    const fs::path stem = options.to / name;
+    if (options.format == "png") {
+      write_pictures(sweep, stem, name);
+    } else if (options.format == "sx" || options.format == "sw") {
+      const fs::path path = stem.string() + "." + options.format;
+      const int left_out = exchange::write_strad(sweep.sequence, sweep.setup.world,
+                                                 sweep.setup.kind == PixelKind::doppler, path);
+      if (left_out > 0)
+        std::fprintf(stderr, "warning: %d frames without a place in space are left out\n", left_out);
+      std::printf("%s\n", path.c_str());
+    } else {
+      const fs::path path = stem.string() + ".igs." + options.format;
+      if (const std::string xml = exchange::plus_config_xml(sweep.setup); !xml.empty())
+        write_text(stem.string() + ".xml", xml);
+      if (sweep.setup.mask.width() > 0) write_mask(stem.string() + "-mask.png", sweep.setup.mask.view());
+      exchange::write_sequence(sweep.sequence, path);
+      std::printf("%s\n", path.c_str());
+    }
+    ++written;
+  }
+  if (written == 0)
+    throw BadInput(file.filename().string() + ": there is no sweep " + std::to_string(options.sweep) +
+                   " in it");
+  if (!damage.empty())
+    throw BadInput(file.filename().string() + ": exported without what is damaged: " + damage.front() +
+                   (damage.size() > 1 ? " (and " + std::to_string(damage.size() - 1) + " more places)" : ""));
+}
+
+}  // namespace
+
+void add_export(CLI::App& tool) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = tool.add_subcommand(
+      "export",
+      "Write the sweeps of an exam as files: sequences with calibration (.xml) and mask (-mask.png)");
+  verb->add_option("EXAM", options->exam, "An exam's file, or its id")->required();
+  verb->add_option("--exams", options->folder, "Folder in which an id is looked for")
+      ->default_val(exam::default_exam_folder());
+  verb->add_option("--to", options->to, "Folder to write into")->required();
+  verb->add_option("--format", options->format,
+                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), or png: one picture a frame")
+      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "png"}))
+      ->capture_default_str();
+  verb->add_option("--sweep", options->sweep, "Only this one, from 1 (default: all)")
+      ->check(CLI::PositiveNumber);
+  verb->callback([options] { on_exams([&] { export_exam(*options); }); });
+}
+
+}  // namespace sonoband::tools
