@@ -49,10 +49,36 @@ Duration from_ms(double ms) {
   return from_seconds(ms / 1000);
 }
 
+// What every sweep of this cart has in common.
+std::unique_ptr<exam::CartExams> make_exams(const std::filesystem::path& place, const BoardDevices& board,
+                                            const Profile& profile, const CropPlan& plan,
+                                            const cart::AcquisitionSettings& acquisition, const Pixels& mask,
+                                            const std::shared_ptr<Clock>& clock) {
+  exam::CartExamsSettings settings;
+  settings.place = place;
+  exam::SweepSetup& sweep = settings.sweep;
+  sweep.width = plan.width;
+  sweep.height = plan.height;
+  sweep.frames_per_second = profile.capture.rate_hz;
+  sweep.probe_from_image = acquisition.probe_from_image;
+  sweep.calibration_name = "of the board " + board.board;
+  sweep.latency_offset = acquisition.pairing.latency_offset;
+  sweep.crop = {plan.crop.x, plan.crop.y, plan.width, plan.height};
+  sweep.mask = mask.copy();
+  sweep.versions = {{"sonoband", SONOBAND_VERSION},
+                    {"board", board.board},
+                    {"captured orientation", profile.capture.orientation}};
+  settings.recorder.reserve_bytes = std::int64_t{profile.exams.reserve_mb} << 20;
+  settings.recorder.bytes_per_second = profile.capture.rate_hz * plan.width * plan.height;
+  settings.recorder.now = [clock] { return clock->now(); };
+  return std::make_unique<exam::CartExams>(std::move(settings));
+}
+
 }  // namespace
 
 std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profile& profile,
-                                                std::shared_ptr<Clock> clock) {
+                                                std::shared_ptr<Clock> clock,
+                                                const std::filesystem::path& place_of_exams) {
   const CropPlan plan = plan_crop(board, profile);
   cart::ApplianceSettings settings;
   settings.ring.width = plan.width;
@@ -75,6 +101,10 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
   settings.cart.debounce.quiet = from_ms(profile.pedal.debounce_ms);
   settings.cart.debounce.stuck_limit = from_seconds(profile.pedal.stuck_s);
 
+  const Pixels mask = cropped_mask(board.mask, plan);
+  std::unique_ptr<exam::CartExams> exams;
+  if (!place_of_exams.empty())
+    exams = make_exams(place_of_exams, board, profile, plan, acquisition, mask, clock);
   cart::Devices devices;
   devices.clock = std::move(clock);
   devices.belongings = {board.parts};
@@ -82,8 +112,7 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
   devices.frames = std::move(board.frames);
   devices.pedal = std::move(board.footswitch);
   devices.on_recording = board.on_recording;
-  const Pixels mask = cropped_mask(board.mask, plan);
-  return std::make_unique<cart::Appliance>(std::move(devices), settings, mask.view());
+  return std::make_unique<cart::Appliance>(std::move(devices), settings, mask.view(), std::move(exams));
 }
 
 }  // namespace sonoband

@@ -27,6 +27,7 @@ struct Options {
   std::string script;
   std::string out = "out";
   std::string shots;
+  std::filesystem::path exams = exam::default_exam_folder();
   std::string size = "1280x800";
   float scale = 1;
   bool full_screen = false;
@@ -88,6 +89,7 @@ void examine(const Options& options, const std::vector<script::Step>& steps, con
   script::Stage stage{cart, board.foot, board.views, cart.clock(), workers, options.out};
   nlohmann::ordered_json summary = script::run(steps, script_name, stage);
   summary["board"] = board.board;
+  if (cart.exams() != nullptr) summary["exam"] = cart.exams()->exam_id();
   summary["note"] = "Research use only.";
   const std::filesystem::path file = std::filesystem::path(options.out) / "summary.json";
   std::ofstream out(file);
@@ -96,6 +98,16 @@ void examine(const Options& options, const std::vector<script::Step>& steps, con
     throw BadInput(file.string() + ": the summary cannot be written; choose another --out folder");
   print_losses(summary["ledger"]);
   std::printf("The pictures and the summary are in %s\n", std::filesystem::absolute(options.out).c_str());
+}
+
+// After the stop. Throws what is not saved, for the exit code.
+void say_what_is_saved(const cart::Appliance& cart) {
+  if (cart.exams() == nullptr) return;
+  const exam::RecorderStatus saving = cart.exams()->status();
+  if (!saving.sentence.empty()) throw BadInput(saving.sentence);
+  if (saving.stored == 0) return;
+  std::printf("The sweeps are saved: %s, exam %s, %lld frames\n", cart.exams()->place().c_str(),
+              cart.exams()->exam_id().c_str(), static_cast<long long>(saving.stored));
 }
 
 int run(const Options& options) {
@@ -115,7 +127,11 @@ int run(const Options& options) {
     clock = std::make_shared<sim::VirtualClock>();
   }
   BoardDevices board = make_board(options, profile, *clock);
-  const auto cart = make_appliance(board, profile, clock);
+  const auto cart = make_appliance(board, profile, clock, options.exams);
+  if (cart->exams() != nullptr) {
+    for (const std::string& sentence : cart->exams()->recovered())
+      std::fprintf(stderr, "sonoband: %s\n", sentence.c_str());
+  }
   if (!cart->memory_warning().empty()) std::fprintf(stderr, "sonoband: %s\n", cart->memory_warning().c_str());
   const ClockMember member(*clock);
   cart->start();
@@ -128,6 +144,7 @@ int run(const Options& options) {
     examine(options, steps, script_name, board, *cart);
   }
   cart->stop();
+  say_what_is_saved(*cart);
   return 0;
 }
 
@@ -142,6 +159,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--config", options.config, "the machine's profile (TOML); board/README.md lists its keys");
   app.add_option("--calibration", options.calibration, "PLUS configuration (XML) for a replay");
+  app.add_option("--exams", options.exams, "folder in which every sweep is saved; an empty name saves none")
+      ->capture_default_str();
   app.add_option("--size", options.size, "of the window, pixels")->capture_default_str();
   app.add_flag("--fullscreen", options.full_screen, "fill the display");
   app.add_option("--scale", options.scale, "of everything on the screen")

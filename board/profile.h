@@ -43,6 +43,10 @@ struct Profile {
     double pre_roll_s = 1;  // kept from before a press
   } ring;
 
+  struct Exams {
+    int reserve_mb = 512;  // of the disk, kept free: below it no sweep starts
+  } exams;
+
   // The simulated scanner, tracker and pedal; used by the board `sim`.
   struct Simulation {
     std::string scene = "foetus";  // foetus, vessels, wires, spheres, ramp or constant

@@ -112,9 +112,11 @@ void Acquisition::publish(const PairedFrame& paired) {
   TrackedFrame& tracked = slot.frame.tracked;
   tracked.captured = paired.captured;
   tracked.pose_status = paired.pose.status;
-  if (paired.pose.status == PoseStatus::ok)
+  if (paired.pose.status == PoseStatus::ok) {
+    slot.frame.tracker_from_probe = paired.pose.tracker_from_probe;
     set_pose(tracked,
              settings_.world_from_tracker * (paired.pose.tracker_from_probe * settings_.probe_from_image));
+  }
   status_.frame_pose = paired.pose.status;
   while (ending_ && paired.captured > *ending_) finish_sweep();
   const Published published = ring_.publish(slot);

@@ -18,10 +18,12 @@ std::optional<Duration> age(const std::optional<Stamp>& last, Stamp now) {
 
 }  // namespace
 
-Appliance::Appliance(Devices devices, const ApplianceSettings& settings, MaskView mask)
+Appliance::Appliance(Devices devices, const ApplianceSettings& settings, MaskView mask,
+                     std::unique_ptr<exam::CartExams> exams)
     : devices_(std::move(devices)),
       settings_(settings),
       ring_(settings.ring, mask),
+      exams_(std::move(exams)),
       cart_(ring_, settings.cart) {
   assert(devices_.clock && devices_.tracker && devices_.frames && devices_.pedal);
   if (settings.lock_memory) locked_.emplace(ring_.memory());
@@ -53,6 +55,7 @@ void Appliance::stop() {
   pedal_thread_.join();
   stop_capture_.store(true, std::memory_order_release);
   capture_thread_.join();
+  if (exams_) exams_->finish();
 }
 
 void Appliance::read_tracker() {
@@ -102,6 +105,7 @@ void Appliance::capture() {
     frames_ended_ = got == ReadStatus::ended;
     const Stamp now = clock().now();
     take_news(now);
+    if (exams_) cart_.on_disk(exams_->has_room(), now);
     if (got == ReadStatus::ok) cart_.on_frame(frame, now);
     cart_.tick(now);
     hand_over();
@@ -118,6 +122,7 @@ void Appliance::capture() {
 
 void Appliance::take_news(Stamp now) {
   while (const PoseSample* sample = poses_.front()) {
+    if (exams_) exams_->on_reading(*sample);
     cart_.on_pose(*sample, now);
     poses_.pop();
   }
@@ -143,11 +148,15 @@ void Appliance::take_news(Stamp now) {
 
 void Appliance::hand_over() {
   while (std::optional<Sweep> sweep = cart_.take_sweep()) {
+    if (exams_) exams_->begin(*sweep);
     if (sweeps_.try_emplace(std::move(*sweep)))
       ++sweeps_handed_;
     else
       ++sweeps_refused_;
   }
+  const bool grows = ring_.growing();
+  if (exams_ && grew_ && !grows) exams_->ended();
+  grew_ = grows;
 }
 
 void Appliance::publish_status(Stamp now) {
@@ -175,6 +184,7 @@ void Appliance::publish_status(Stamp now) {
 
 const ApplianceStatus& Appliance::status() {
   if (const ApplianceStatus* newest = statuses_.take()) status_ = *newest;
+  if (exams_) status_.saving = exams_->status();
   return status_;
 }
 

@@ -2,7 +2,7 @@
 //
 //     tracker thread ──SpscQueue──▶ ┐
 //     pedal thread ────SpscQueue──▶ ├─ capture thread: Cart ──▶ frame ring ──▶ latest(), Sweeps   (any
-//     thread) owner ──────────commands────▶ ┘                      └──▶ status, sweeps (owner)
+//     thread) owner ──────────commands────▶ ┘                      └──▶ status, sweeps (owner), exams (disk)
 //
 // "Owner" is the one thread that calls command, status and take_sweep: the screen's, or main's.
 #pragma once
@@ -16,6 +16,7 @@
 
 #include "app/cart/cart.h"
 #include "app/cart/locked_memory.h"
+#include "app/exam/cart_exams.h"
 #include "core/concurrency/latest.h"
 #include "core/concurrency/spsc_queue.h"
 #include "core/sweep/frame_ring.h"
@@ -65,6 +66,8 @@ struct ApplianceStatus {
   SourceStatus tracker;
   SourceStatus frames;
   SourceStatus pedal;
+  // What is saved and what is not, for the operator. Empty: nothing is to be saved.
+  std::optional<exam::RecorderStatus> saving;
   bool frozen = false;               // frames come, but have shown the same picture for a second
   std::uint64_t sweeps_handed = 0;   // to take_sweep
   std::uint64_t sweeps_refused = 0;  // that nobody took in time
@@ -73,13 +76,16 @@ struct ApplianceStatus {
 class Appliance {
  public:
   // Takes and touches all memory; no thread, no device is started yet. `mask` is copied (see FrameRing).
-  Appliance(Devices devices, const ApplianceSettings& settings, MaskView mask = {});
+  // `exams` saves every sweep; null: none are saved.
+  Appliance(Devices devices, const ApplianceSettings& settings, MaskView mask = {},
+            std::unique_ptr<exam::CartExams> exams = nullptr);
   ~Appliance();  // stops; every Sweep and lease must be gone
   Appliance(const Appliance&) = delete;
   Appliance& operator=(const Appliance&) = delete;
 
   // Once each, by the owner. Devices are started and stopped by the thread that reads them. A recording that
-  // runs at stop ends there, and its sweep can still be taken.
+  // runs at stop ends there, and its sweep can still be taken. Stop waits until the sweeps are saved, or
+  // cannot be.
   void start();
   void stop();
 
@@ -90,7 +96,8 @@ class Appliance {
   // Owner. Sweeps as they start, oldest first; each grows until its release. Drop it to give its memory back.
   std::optional<Sweep> take_sweep();
 
-  FrameLease latest() const { return ring_.latest(); }  // any thread
+  FrameLease latest() const { return ring_.latest(); }     // any thread
+  exam::CartExams* exams() const { return exams_.get(); }  // null: nothing is saved
   Clock& clock() { return *devices_.clock; }
   const FrameRing& ring() const { return ring_; }
   const std::string& memory_warning() const;  // empty: locked, or not asked for
@@ -111,6 +118,7 @@ class Appliance {
   Devices devices_;
   ApplianceSettings settings_;
   FrameRing ring_;
+  std::unique_ptr<exam::CartExams> exams_;  // holds sweeps of the ring
   std::optional<LockedMemory> locked_;
   Cart cart_;  // the capture thread's
 
@@ -134,6 +142,7 @@ class Appliance {
   std::optional<Stamp> next_status_;
   State told_ = State::idle;
   bool frames_ended_ = false;
+  bool grew_ = false;  // a sweep did
   std::uint64_t sweeps_handed_ = 0;
   std::uint64_t sweeps_refused_ = 0;
 

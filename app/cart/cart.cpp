@@ -36,6 +36,10 @@ void Cart::on_command(Command command, Stamp now) {
   heed_notices();
 }
 
+void Cart::on_disk(bool has_room, Stamp now) {
+  if (has_room != machine_.disk) give({has_room ? Event::Kind::disk_has_room : Event::Kind::disk_full, now});
+}
+
 void Cart::tick(Stamp now) {
   // The contact's time runs as late as its news: of edges that come 300 ms late, the bounces of a press are
   // still under way when its first edge arrives.
@@ -71,7 +75,7 @@ void Cart::give(const Event& event) {
     note_ = t.note;
     noted_ = event.time;
   }
-  if (t.note == Note::no_frames) acquisition_.count_refused_press();
+  if (t.note == Note::no_frames || t.note == Note::no_disk) acquisition_.count_refused_press();
   if (t.action == Action::begin_sweep) {
     sweep_id_ = acquisition_.begin_sweep(t.at);
     if (sweep_id_ == 0) give({Event::Kind::sweep_refused, t.at});

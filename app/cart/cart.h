@@ -44,6 +44,8 @@ class Cart {
   void on_edge(const PedalEdge& edge, Stamp now);  // of pedal 0; of others nothing is made
   void on_pedal_lost(Stamp now);
   void on_command(Command command, Stamp now);
+  // Whether a sweep that starts now could be saved. Without this call it is taken for granted.
+  void on_disk(bool has_room, Stamp now);
   void count_overruns(std::uint64_t poses, std::uint64_t edges) { acquisition_.count_overruns(poses, edges); }
   void tick(Stamp now);  // some 50 times a second or more
   void stop(Stamp now);  // ends what is recorded

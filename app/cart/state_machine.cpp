@@ -9,6 +9,7 @@ using Kind = Event::Kind;
 
 Transition begin(Machine m, const Event& e, bool held) {
   if (!m.frames) return {m, Action::none, {}, Note::no_frames};
+  if (!m.disk) return {m, Action::none, {}, Note::no_disk};
   m.state = State::recording;
   m.held = held;
   m.since = e.time;
@@ -48,6 +49,8 @@ Transition while_recording(const Machine& m, const Event& e, const MachineSettin
       return end(m, m.since + settings.longest, Note::too_long);
     case Kind::frames_up:
     case Kind::show_live:
+    case Kind::disk_full:  // what has begun goes on into the reserve
+    case Kind::disk_has_room:
       return nothing;
   }
   return nothing;
@@ -71,6 +74,8 @@ Transition while_not_recording(Machine m, const Event& e, const MachineSettings&
     case Kind::pedal_up:
     case Kind::pedal_lost:
     case Kind::sweep_full:
+    case Kind::disk_full:
+    case Kind::disk_has_room:
     case Kind::tick:
       break;
   }
@@ -111,6 +116,8 @@ const char* sentence_of(Note note) {
       return "The sweep ended because the pedal was lost or is stuck: check its plug and release it.";
     case Note::frames_lost:
       return "The sweep ended because the pictures stopped: check the scanner and its video cable.";
+    case Note::no_disk:
+      return "No sweep was started because the disk has no room for it: export exams and delete them.";
   }
   return "";
 }
@@ -119,6 +126,8 @@ Transition step(const Machine& machine, const Event& event, const MachineSetting
   Machine m = machine;
   if (event.kind == Kind::frames_up) m.frames = true;
   if (event.kind == Kind::frames_down) m.frames = false;
+  if (event.kind == Kind::disk_full) m.disk = false;
+  if (event.kind == Kind::disk_has_room) m.disk = true;
   return m.state == State::recording ? while_recording(m, event, settings)
                                      : while_not_recording(m, event, settings);
 }

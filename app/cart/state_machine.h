@@ -32,6 +32,8 @@ struct Event {
     show_live,      // the operator leaves the review
     sweep_refused,  // acquisition had no room to begin the sweep
     sweep_full,     // the growing sweep can take no more; time: of the first frame refused
+    disk_full,      // exams are to be saved and there is no room for another sweep
+    disk_has_room,  // there is again
     tick,           // time passes
   } kind = Kind::tick;
   Stamp time{};
@@ -49,6 +51,7 @@ struct MachineSettings {
 struct Machine {
   State state = State::idle;
   bool frames = false;  // pictures come
+  bool disk = true;     // a sweep that starts now can be saved, or none is to be
   bool held = false;    // the recording goes on while the pedal is down
   Stamp since{};        // when the recording started
 };
@@ -65,6 +68,7 @@ enum class Note : std::uint8_t {
   too_long,     // the recording reached `longest`
   pedal_lost,   // the sweep ended because the pedal went away or is stuck
   frames_lost,  // the sweep ended because the pictures stopped
+  no_disk,      // a press with no room on the disk starts nothing
 };
 // One sentence with the cure; "" for none.
 const char* sentence_of(Note note);

@@ -11,6 +11,7 @@
 #include <ctime>
 #include <random>
 #include <system_error>
+#include <thread>
 
 #include "app/exam/exam_reader.h"
 #include "app/exam/journal.h"
@@ -161,7 +162,7 @@ Room room_left(const fs::path& place, std::int64_t reserve_bytes, double bytes_p
   return room;
 }
 
-ExamFolder::ExamFolder(const fs::path& place, Use use) : place_(place) {
+ExamFolder::ExamFolder(const fs::path& place, Use use, Duration lock_wait) : place_(place) {
   std::error_code error;
   if (use == Use::cart) {
     fs::create_directories(place, error);
@@ -173,7 +174,13 @@ ExamFolder::ExamFolder(const fs::path& place, Use use) : place_(place) {
     if (lock_ < 0)
       throw StoreError(StoreError::Kind::refused,
                        place.string() + ": cannot be written; choose another with --exams");
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    const auto give_up = std::chrono::steady_clock::now() + lock_wait;
+    int locked = ::flock(lock_, LOCK_EX | LOCK_NB);
+    while (locked != 0 && std::chrono::steady_clock::now() < give_up) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      locked = ::flock(lock_, LOCK_EX | LOCK_NB);
+    }
+    if (locked != 0) {
       ::close(lock_);
       throw StoreError(StoreError::Kind::refused,
                        place.string() +

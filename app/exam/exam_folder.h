@@ -31,8 +31,9 @@ class ExamFolder {
     cart,  // alone: makes the folder (0700), holds its lock, closes what was cut off
     look,  // beside others: lists and reads
   };
-  // Throws StoreError when the folder cannot be used; as `cart` also when another cart uses it.
-  ExamFolder(const std::filesystem::path& place, Use use);
+  // Throws StoreError when the folder cannot be used; as `cart` also when another cart still uses it after
+  // `lock_wait`: one that is just ending lets go within moments.
+  ExamFolder(const std::filesystem::path& place, Use use, Duration lock_wait = {});
   ~ExamFolder();
   ExamFolder(const ExamFolder&) = delete;
   ExamFolder& operator=(const ExamFolder&) = delete;

@@ -34,7 +34,7 @@ class ExamReader {
   ExamSummary summary() const;
   std::vector<SweepSummary> sweeps() const;  // throws StoreError where the tables are damaged
   SweepSetup setup(std::int64_t sweep) const;
-  // The index of a sweep: small rows only, 4000 of them in some 20 ms.
+  // The index of a sweep: small rows only, no pixels.
   StoredFrames frames(std::int64_t sweep) const;
   // Empty: `out` (of the frame's size) holds the picture. Otherwise what is wrong with it, and `out` is to be
   // thrown away.

@@ -35,6 +35,9 @@ ExamWriter ExamWriter::create(const std::filesystem::path& file, const std::stri
     throw StoreError(StoreError::Kind::refused, file.filename().string() + ": there is such an exam already");
   std::filesystem::path making = file;
   making += ".new";
+  std::error_code error;
+  // An attempt that failed, on a full disk say, has left it.
+  for (const char* end : {"", "-journal"}) std::filesystem::remove(making.string() + end, error);
   {
     Database database(making, Database::Mode::create, vfs);
     database.run("PRAGMA page_size=16384");
@@ -47,7 +50,6 @@ ExamWriter ExamWriter::create(const std::filesystem::path& file, const std::stri
     add.bind(1, id).bind(2, now).bind(3, software).bind(4, text_checksum(now, id + '\n' + software)).run();
     transaction.commit();
   }
-  std::error_code error;
   std::filesystem::rename(making, file, error);
   if (error)
     throw StoreError(StoreError::Kind::failing, making.string() + ": cannot be renamed: " + error.message());

@@ -3,8 +3,7 @@
 //
 // Why these settings: WAL, so that review reads while a sweep is written, and an interrupted commit is simply
 // not there; synchronous=FULL, because in WAL with NORMAL a commit is not synced and a power cut would take
-// back what the screen has called saved; pages of 16 KiB, because a picture is some hundred KiB (of 4, 16 and
-// 64 KiB it costs the least time, see README.md).
+// back what the screen has called saved; pages of 16 KiB, because a picture is some hundred KiB.
 #pragma once
 
 #include <filesystem>

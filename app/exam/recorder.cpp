@@ -1,6 +1,7 @@
 #include "app/exam/recorder.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sonoband::exam {
 namespace {
@@ -12,39 +13,53 @@ constexpr std::size_t poses_at_once = 4096;
 constexpr std::size_t most_poses_waiting = 900'000;
 constexpr Duration between_room_measures = std::chrono::seconds(1);
 
-Stamp now() {
+// The recorder's own waiting is on this clock, whatever the frames are stamped by.
+Stamp steady_now() {
   return Stamp(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
 }
 
 }  // namespace
 
 Recorder::Recorder(const std::filesystem::path& exam, const RecorderSettings& settings)
-    : exam_(exam), settings_(settings), bytes_per_second_(settings.bytes_per_second) {
+    : exam_(exam),
+      settings_(settings),
+      made_(settings.new_id.empty()),
+      bytes_per_second_(settings.bytes_per_second) {
   measure_room();  // before anybody may ask to begin
   thread_ = std::thread([this] { run(); });
 }
 
 Recorder::~Recorder() {
+  finish();
+}
+
+void Recorder::finish() {
+  if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
   wake_.notify_all();
   thread_.join();
+  jobs_.clear();
 }
 
-std::string Recorder::begin(std::shared_ptr<SweepSource> source, SweepSetup setup) {
+Stamp Recorder::now() const {
+  return settings_.now ? settings_.now() : steady_now();
+}
+
+void Recorder::begin(std::shared_ptr<SweepSource> source, SweepSetup setup) {
   auto job = std::make_shared<Job>();
   job->source = std::move(source);
   job->setup = std::move(setup);
   {
     const std::lock_guard lock(mutex_);
-    if (!status_.room.may_start) return status_.room.sentence;
     new_jobs_.push_back(std::move(job));
     now_ = true;
+    if (status_.state != RecorderStatus::State::full && status_.state != RecorderStatus::State::failing)
+      status_.state = RecorderStatus::State::recording;
   }
   wake_.notify_all();
-  return {};
 }
 
 void Recorder::save_now() {
@@ -65,6 +80,11 @@ std::uint64_t Recorder::add_review(ReviewObject object) {
   }
   wake_.notify_all();
   return ticket;
+}
+
+void Recorder::set_label(std::string label) {
+  const std::lock_guard lock(mutex_);
+  new_label_ = std::move(label);
 }
 
 RecorderStatus Recorder::status() const {
@@ -92,8 +112,9 @@ void Recorder::run() {
       new_jobs_.clear();
       std::move(new_reviews_.begin(), new_reviews_.end(), std::back_inserter(reviews_));
       new_reviews_.clear();
+      if (new_label_) label_ = std::exchange(new_label_, std::nullopt);
     }
-    if (ending && give_up == Stamp{}) give_up = now() + settings_.goodbye;
+    if (ending && give_up == Stamp{}) give_up = steady_now() + settings_.goodbye;
     bool well = true;
     try {
       work();
@@ -101,14 +122,14 @@ void Recorder::run() {
       well = false;
       trouble(e);
     }
-    if (now() - room_measured_ > between_room_measures) measure_room();
+    if (steady_now() - room_measured_ > between_room_measures) measure_room();
     tell();
     if (!ending) continue;
     // Whoever ends has released the pedal: a sweep that still grows is closed by the next start.
     const bool waits = std::any_of(jobs_.begin(), jobs_.end(), [](const auto& j) {
       return j->source->finished() || j->stored < j->source->published();
     });
-    if ((well && !waits && reviews_.empty()) || now() > give_up) break;
+    if ((well && !waits && reviews_.empty()) || steady_now() > give_up) break;
     if (!well)
       std::this_thread::sleep_for(std::min<Duration>(settings_.retry, std::chrono::milliseconds(200)));
   }
@@ -121,6 +142,10 @@ void Recorder::run() {
 
 void Recorder::connect() {
   if (writer_) return;
+  if (!made_ && !std::filesystem::exists(exam_)) {
+    ExamWriter::create(exam_, settings_.new_id, settings_.vfs).close();
+  }
+  made_ = true;
   writer_.emplace(ExamWriter::open(exam_, settings_.vfs));
   next_sweep_ = writer_->next_sweep();
   // A commit whose answer was lost may have happened.
@@ -136,6 +161,10 @@ void Recorder::connect() {
 void Recorder::work() {
   if (jobs_.empty() && reviews_.empty()) return;
   connect();
+  if (label_) {
+    writer_->set_label(*label_);
+    label_.reset();
+  }
   while (!reviews_.empty()) {
     writer_->add_review(reviews_.front());
     reviews_.pop_front();
@@ -220,7 +249,8 @@ void Recorder::trouble(const StoreError& error) {
 
 void Recorder::measure_room() {
   const Room room = room_left(exam_.parent_path(), settings_.reserve_bytes, bytes_per_second_);
-  room_measured_ = now();
+  room_measured_ = steady_now();
+  has_room_.store(room.may_start, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   status_.room = room;
 }

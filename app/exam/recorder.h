@@ -2,10 +2,12 @@
 // published, and what is slow or failing stays in the ring meanwhile.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -44,6 +46,9 @@ struct RecorderSettings {
   // The journal is copied into the exam beyond this: bounds it on disk, and what a start must read.
   std::int64_t journal_bytes = std::int64_t{64} << 20;
   double bytes_per_second = 640 * 480 * 30.0;  // for the room left, until the first sweep tells
+  // Not empty: the exam is not there yet, and is made under this id with the first thing to save.
+  std::string new_id;
+  std::function<Stamp()> now;  // of the clock that stamps frames; empty: CLOCK_MONOTONIC
   std::string vfs;
 };
 
@@ -69,21 +74,29 @@ struct RecorderStatus {
 
 class Recorder {
  public:
-  // Saves into an exam that is there (ExamWriter::create). Starts its thread; opens the file on it.
+  // Saves into an exam that is there (ExamWriter::create), or see `new_id`. Starts its thread; opens the file
+  // on it.
   Recorder(const std::filesystem::path& exam, const RecorderSettings& settings);
-  // Saves what can be saved, at most `goodbye` long when the disk is in trouble, and closes the exam.
-  ~Recorder();
+  ~Recorder();  // finishes
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // At the press. Empty: it is being saved. Otherwise the sentence for the operator: there is no room for it,
-  // and nothing is saved. Never waits for the disk.
-  std::string begin(std::shared_ptr<SweepSource> source, SweepSetup setup);
+  // Whether the disk has room for a sweep that would start now, as measured within the last second. Any
+  // thread; takes no lock. A press below the reserve is to be refused.
+  bool has_room() const { return has_room_.load(std::memory_order_relaxed); }
+  // At the press. From here on the sweep is saved, into the reserve if need be. Never waits for the disk.
+  void begin(std::shared_ptr<SweepSource> source, SweepSetup setup);
   // At the release, or whenever the batch should not be waited for.
   void save_now();
 
   // Gives a ticket; see RecorderStatus::reviews_saved.
   std::uint64_t add_review(ReviewObject object);
+  // Of the patient. Saved with the next sweep or review; a label alone makes no exam.
+  void set_label(std::string label);
+
+  // Saves what can be saved, at most `goodbye` long when the disk is in trouble, closes the exam and lets go
+  // of all sources. The status stays. Once.
+  void finish();
 
   RecorderStatus status() const;  // any thread, never waits for the disk
 
@@ -104,6 +117,7 @@ class Recorder {
   bool work_on(Job& job);  // true: this sweep is done
   void connect();
   void measure_room();
+  Stamp now() const;
   void trouble(const StoreError& error);
   void tell();
 
@@ -114,15 +128,20 @@ class Recorder {
   std::condition_variable wake_;
   std::deque<std::shared_ptr<Job>> new_jobs_;
   std::deque<ReviewObject> new_reviews_;
+  std::optional<std::string> new_label_;
   std::uint64_t tickets_ = 0;
   bool now_ = false;
   bool ending_ = false;
   RecorderStatus status_;
 
+  std::atomic<bool> has_room_{false};
+
   // The recorder's thread only.
   std::optional<ExamWriter> writer_;
   std::deque<std::shared_ptr<Job>> jobs_;
   std::deque<ReviewObject> reviews_;
+  std::optional<std::string> label_;
+  bool made_ = false;  // never made twice: where the exam was there may now be another disk
   std::vector<FrameRecord> batch_;
   std::int64_t published_before_ = 0;  // by sweeps that are done
   std::int64_t next_sweep_ = 0;        // 0: ask the file

@@ -25,6 +25,7 @@ struct RawStamps {
 struct SweepFrame {
   TrackedFrame tracked;
   RawStamps raw;
+  Rigid<frame::Tracker, frame::Probe> tracker_from_probe;  // as paired; only with pose_status ok
 };
 
 namespace detail {

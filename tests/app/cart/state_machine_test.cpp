@@ -125,6 +125,23 @@ TEST(StateMachine, NothingStartsWithoutPictures) {
   EXPECT_EQ(cart.machine.state, State::idle);
 }
 
+TEST(StateMachine, NothingStartsWithoutRoomOnTheDisk) {
+  Cart cart = live();
+  cart.give(Kind::disk_full, 500);
+  const Transition refused = cart.give(Kind::pedal_down, 1000);
+  EXPECT_EQ(refused.action, Action::none);
+  EXPECT_EQ(refused.note, Note::no_disk);
+  EXPECT_EQ(cart.machine.state, State::live);
+  EXPECT_EQ(cart.give(Kind::button_down, 1500).note, Note::no_disk);
+  cart.give(Kind::pedal_up, 1600);
+  cart.give(Kind::disk_has_room, 2000);
+  EXPECT_EQ(cart.give(Kind::pedal_down, 3000).action, Action::begin_sweep);
+  // What has begun goes on.
+  EXPECT_EQ(cart.give(Kind::disk_full, 3500).action, Action::none);
+  EXPECT_EQ(cart.machine.state, State::recording);
+  EXPECT_EQ(cart.give(Kind::pedal_up, 4000).action, Action::end_sweep);
+}
+
 TEST(StateMachine, ShowLiveLeavesTheReviewOnly) {
   Cart cart = live();
   cart.give(Kind::pedal_down, 1000);

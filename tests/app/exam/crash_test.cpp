@@ -14,6 +14,7 @@
 #include <iterator>
 #include <random>
 
+#include "app/cart_on_board.h"
 #include "app/exam/exam_folder.h"
 #include "app/exam/exam_reader.h"
 #include "app/exam/journal.h"
@@ -320,6 +321,131 @@ TEST(Crash, KilledAtRandomMoments) {
                 std::to_string(oldest_lost_us / 1000) + " ms old");
 }
 
+// A whole cart on the machine's own clock: press, sweep, release, press again, until it is killed.
+[[noreturn]] void examine_until_killed(const fs::path& place, Diary& diary) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  Profile profile;
+  profile.capture.rate_hz = 60;
+  profile.capture.crop_px = {200, 100, 160, 120};
+  profile.ring.frames = 300;
+  profile.ring.pre_roll_s = 0.2;
+  profile.exams.reserve_mb = 0;
+  const auto clock = std::make_shared<SystemClock>();
+  BoardDevices board = make_sim_board(profile, *clock);
+  const auto cart = make_appliance(board, profile, clock, place);
+  cart->start();
+  bool down = false;
+  for (int i = 0;; ++i) {
+    if (i % 60 == 20 || i % 60 == 55) board.foot(down = !down);
+    while (cart->take_sweep()) {
+    }
+    const cart::ApplianceStatus& status = cart->status();
+    diary.acknowledged = status.saving->stored;
+    for (std::int64_t n = diary.published; n < status.saving->published; ++n)
+      diary.published_ns[n % 4096] = std::chrono::steady_clock::now().time_since_epoch().count();
+    diary.published = status.saving->published;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+TEST(Crash, CartKilledAtRandomMoments) {
+  const TemporaryFolder folder;
+  const int count = moments(3) / (std::getenv("SONOBAND_CRASH_MOMENTS") == nullptr ? 1 : 5);
+  std::mt19937_64 random(9);
+  void* shared = ::mmap(nullptr, sizeof(Diary), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  std::int64_t lost = 0;
+  std::int64_t frames = 0;
+  int cut_off = 0;
+  std::int64_t longest_unsaved_ms = 0;
+  for (int i = 0; i < count; ++i) {
+    Diary& diary = *::new (shared) Diary;
+    const fs::path place = folder.path() / std::to_string(i);
+    std::fflush(nullptr);
+    const ::pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) examine_until_killed(place, diary);
+    EXPECT_TRUE(eventually([&] { return diary.published > 0; }));
+    ::usleep(static_cast<::useconds_t>(random() % 700'000));
+    ::kill(child, SIGKILL);
+    const std::int64_t killed = std::chrono::steady_clock::now().time_since_epoch().count();
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "ended by itself with " << status;
+    const ExamFolder exams(place, ExamFolder::Use::cart);  // the next start
+    cut_off += exams.recovered().empty() ? 0 : 1;
+    std::int64_t found = 0;
+    for (const ExamSummary& exam : exams.list()) {
+      EXPECT_EQ(exam.damage, "");
+      const ExamReader::Verification v = ExamReader(exam.path).verify();
+      EXPECT_EQ(v.damage, std::vector<std::string>{});
+      lost += !v.damage.empty();
+      found += exam.frames;
+    }
+    EXPECT_GE(found, diary.acknowledged);
+    lost += found < diary.acknowledged;
+    frames += found;
+    if (found < diary.published && diary.published <= 4096)
+      longest_unsaved_ms =
+          std::max<std::int64_t>(longest_unsaved_ms, (killed - diary.published_ns[found]) / 1'000'000);
+    if (testing::Test::HasFailure()) return;
+    std::error_code none;
+    fs::remove_all(place, none);
+  }
+  ::munmap(shared, sizeof(Diary));
+  EXPECT_GT(cut_off, 0);
+  table_row("kill -9 of a recording simulated cart, 60 frames a second, batches of 250 ms", count,
+            (lost == 0 ? "nothing acknowledged lost of " : "LOST " + std::to_string(lost) + " of ") +
+                std::to_string(frames) + " frames; the oldest frame lost had been known " +
+                std::to_string(longest_unsaved_ms) + " ms; " + std::to_string(cut_off) +
+                " exams cut off and recovered");
+}
+
+// A file system of its own that is full in the midst of recording: first the exam itself, then each batch.
+TEST(Crash, SmallDiskFullWhileRecording) {
+  std::int64_t times = 0;
+  for (std::int64_t kib = 400; kib <= 1600; kib += 400 / (8 / stride() + 1)) {
+    ++times;
+    test::on_small_disk(kib << 10, [](const fs::path& place) {
+      const fs::path file = place / "e.exam";
+      RecorderSettings settings;
+      settings.batch = std::chrono::milliseconds(3);
+      settings.retry = std::chrono::milliseconds(10);
+      settings.goodbye = std::chrono::milliseconds(50);
+      settings.reserve_bytes = 0;
+      settings.journal_bytes = 300'000;
+      settings.new_id = "small";
+      std::int64_t stored = 0;
+      {
+        Recorder recorder(file, settings);
+        const auto sweep = std::make_shared<MadeSweep>(160, 100, 200, 1);
+        recorder.begin(sweep, test::small_setup(160, 100));
+        for (std::int64_t i = 10; i <= 200; i += 10) {
+          sweep->publish(i);
+          std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        }
+        ASSERT_TRUE(eventually([&] { return recorder.status().state == State::full; }));
+        stored = recorder.status().stored;
+        sweep->finish();
+      }
+      if (stored > 0) {
+        EXPECT_TRUE(fs::exists(file));
+      }
+      const ExamFolder exams(place, ExamFolder::Use::look);
+      for (const ExamSummary& e : exams.list()) {
+        EXPECT_EQ(e.damage, "");
+        EXPECT_GE(e.frames, stored);
+        if (e.sweeps > 0) {
+          EXPECT_EQ(differences(file, 1, 1, stored), std::vector<std::string>{});
+        }
+      }
+    });
+    if (testing::Test::HasFailure()) return;
+  }
+  table_row("a file system of 400 to 1600 KiB full while recording", times,
+            "nothing acknowledged lost, told as full");
+}
+
 TEST(Crash, RecorderOutlivesAFullAndAPulledDisk) {
   const MadeSweep made(width, height, 60, 1);
   for (const Fault fault : {Fault::full, Fault::gone}) {
@@ -336,7 +462,7 @@ TEST(Crash, RecorderOutlivesAFullAndAPulledDisk) {
       Recorder recorder(file, settings);
       const auto sweep = std::make_shared<MadeSweep>(width, height, 60, 1);
       sweep->publish(20);
-      ASSERT_EQ(recorder.begin(sweep, test::small_setup(width, height)), "");
+      recorder.begin(sweep, test::small_setup(width, height));
       ASSERT_TRUE(eventually([&] { return recorder.status().stored == 20; }));
       for (int round = 0; round < 3; ++round) {
         disk.fail_at(2 * round, fault);

@@ -1,9 +1,14 @@
 #include "tests/app/exam/exam_support.h"
 
+#include <gtest/gtest.h>
+#include <sched.h>
 #include <stdlib.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "app/exam/exam_reader.h"
@@ -22,6 +27,33 @@ TemporaryFolder::TemporaryFolder() {
 TemporaryFolder::~TemporaryFolder() {
   std::error_code none;
   std::filesystem::remove_all(path_, none);
+}
+
+void on_small_disk(std::int64_t bytes, const std::function<void(const std::filesystem::path&)>& body) {
+  constexpr int not_permitted = 77;
+  const TemporaryFolder mount_point;
+  std::fflush(nullptr);
+  const ::pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const std::string size = "size=" + std::to_string(bytes) + ",mode=700";
+    const int user = ::geteuid() == 0 ? 0 : CLONE_NEWUSER;
+    if (::unshare(CLONE_NEWNS | user) != 0 ||
+        ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+        ::mount("none", mount_point.path().c_str(), "tmpfs", 0, size.c_str()) != 0)
+      ::_exit(not_permitted);
+    body(mount_point.path());
+    std::fflush(nullptr);
+    ::_exit(::testing::Test::HasFailure() ? 1 : 0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << "the child ended by signal " << WTERMSIG(status);
+  if (WEXITSTATUS(status) == not_permitted) {
+    std::printf("this system lets nobody mount a small disk: not tested here\n");
+    return;
+  }
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "see what failed in the child above";
 }
 
 void paint(std::int64_t number, std::uint64_t seed, ImageView<std::uint8_t> out) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+// Runs `body` in a child process on a file system of its own of so many bytes; what fails there fails here.
+// Where the system lets nobody mount one, says so and runs nothing.
+void on_small_disk(std::int64_t bytes, const std::function<void(const std::filesystem::path&)>& body);
 
 // Pixels, pose and stamps of frame `number`: functions of the number and the seed alone. Each third picture
 // is noise that does not compress, the others do.

@@ -38,7 +38,7 @@ TEST(Recorder, SavesASweepAsItGrows) {
   EXPECT_EQ(recorder.status().state, State::idle);
   const auto sweep = std::make_shared<MadeSweep>(32, 20, 300, 1);
   sweep->publish(5);
-  ASSERT_EQ(recorder.begin(sweep, test::small_setup(32, 20)), "");
+  recorder.begin(sweep, test::small_setup(32, 20));
   for (std::int64_t n = 10; n <= 300; n += 29) {
     sweep->publish(n);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -65,7 +65,7 @@ TEST(Recorder, LetsGoOfASweepThatIsSaved) {
   const std::weak_ptr<MadeSweep> watch = sweep;
   sweep->publish(3);
   sweep->finish();
-  ASSERT_EQ(recorder.begin(std::move(sweep), test::small_setup(16, 16)), "");
+  recorder.begin(std::move(sweep), test::small_setup(16, 16));
   EXPECT_TRUE(eventually([&] { return watch.expired(); }));
 }
 
@@ -80,13 +80,13 @@ TEST(Recorder, SavesSweepsAndReviewInOrderAndAtTheEnd) {
       const auto sweep = std::make_shared<MadeSweep>(16, 12, 200, s);
       sweep->publish(200);
       sweep->finish();
-      ASSERT_EQ(recorder.begin(sweep, test::small_setup(16, 12)), "");
+      recorder.begin(sweep, test::small_setup(16, 12));
     }
     const std::uint64_t ticket = recorder.add_review(
         {.object = "o", .kind = ReviewKind::note, .json = R"({"text":"seen"})", .png = {}});
     EXPECT_TRUE(eventually([&] { return recorder.status().reviews_saved >= ticket; }));
     const auto last = std::make_shared<MadeSweep>(16, 12, 40, 4);
-    ASSERT_EQ(recorder.begin(last, test::small_setup(16, 12)), "");
+    recorder.begin(last, test::small_setup(16, 12));
     last->publish(40);
     last->finish();
   }
@@ -96,14 +96,20 @@ TEST(Recorder, SavesSweepsAndReviewInOrderAndAtTheEnd) {
   EXPECT_TRUE(ExamReader(file).summary().closed);
 }
 
-TEST(Recorder, RefusesToStartBelowTheReserve) {
+TEST(Recorder, HasNoRoomBelowTheReserve) {
   const TemporaryFolder folder;
   RecorderSettings greedy = quick();
   greedy.reserve_bytes = std::int64_t{1} << 60;
   Recorder recorder(new_exam(folder), greedy);
-  const auto sweep = std::make_shared<MadeSweep>(16, 12, 2, 4);
-  EXPECT_NE(recorder.begin(sweep, test::small_setup(16, 12)), "");
+  EXPECT_FALSE(recorder.has_room());
   EXPECT_EQ(recorder.status().room.minutes, 0);
+  EXPECT_NE(recorder.status().room.sentence, "");
+  // A press just before that was known is saved all the same.
+  const auto sweep = std::make_shared<MadeSweep>(16, 12, 2, 4);
+  sweep->publish(2);
+  sweep->finish();
+  recorder.begin(sweep, test::small_setup(16, 12));
+  EXPECT_TRUE(eventually([&] { return recorder.status().stored == 2; }));
 }
 
 TEST(Recorder, WaitsForADiskThatIsGoneAndGoesOnWhenItIsBack) {
@@ -117,7 +123,7 @@ TEST(Recorder, WaitsForADiskThatIsGoneAndGoesOnWhenItIsBack) {
   const auto sweep = std::make_shared<MadeSweep>(32, 20, 100, 8);
   sweep->publish(60);
   std::filesystem::rename(there, gone);
-  ASSERT_EQ(recorder.begin(sweep, test::small_setup(32, 20)), "");
+  recorder.begin(sweep, test::small_setup(32, 20));
   ASSERT_TRUE(eventually([&] { return recorder.status().state == State::failing; }));
   const RecorderStatus status = recorder.status();
   EXPECT_NE(status.sentence.find("stays in memory"), std::string::npos);
@@ -138,7 +144,7 @@ TEST(Recorder, SavesASweepOfTheRing) {
   const TemporaryFolder folder;
   const std::filesystem::path file = new_exam(folder);
   FrameRing ring({.width = 32, .height = 20, .slots = 100, .reserve = 10});
-  SpscQueue<PoseSample> readings(1000);
+  PoseLog readings(1000);
   const auto put = [&](std::int64_t n) {
     RingSlot* slot = ring.claim();
     ASSERT_NE(slot, nullptr);
@@ -148,9 +154,10 @@ TEST(Recorder, SavesASweepOfTheRing) {
     f.pose_status = made.pose_status;
     if (made.pose_status == PoseStatus::ok) set_pose(f, made.world_from_image);
     f.captured = made.captured;
+    if (made.tracker_from_probe) slot->frame.tracker_from_probe = *made.tracker_from_probe;
     slot->frame.raw = {made.stamped, made.arrived, made.device_ns, made.device_count};
     ring.publish(*slot);
-    for (std::int64_t i = 0; i < 4; ++i) EXPECT_TRUE(readings.try_emplace(test::reading(4 * n + i, 1)));
+    for (std::int64_t i = 0; i < 4; ++i) readings.add(test::reading(4 * n + i, 1));
   };
   {
     Recorder recorder(file, quick());
@@ -158,7 +165,7 @@ TEST(Recorder, SavesASweepOfTheRing) {
     const Stamp pressed = test::record(3, 1, {}).captured;
     Sweep sweep = ring.begin_sweep(1, pressed, std::chrono::seconds(1));
     ASSERT_TRUE(sweep);
-    ASSERT_EQ(recorder.begin(std::make_shared<RingSweep>(sweep, &readings), test::small_setup(32, 20)), "");
+    recorder.begin(std::make_shared<RingSweep>(sweep, &readings), test::small_setup(32, 20));
     for (std::int64_t n = 10; n < 50; ++n) put(n);
     ASSERT_TRUE(eventually([&] { return recorder.status().stored == 50; }));
     const RingSweep other(sweep);
@@ -182,6 +189,10 @@ TEST(Recorder, SavesASweepOfTheRing) {
     const FrameRecord e = test::record(f.record.number, 1, {});
     EXPECT_EQ(f.record.pre_roll, e.pre_roll);
     EXPECT_EQ(f.record.pose_status, e.pose_status);
+    ASSERT_EQ(f.record.tracker_from_probe.has_value(), e.tracker_from_probe.has_value());
+    if (e.tracker_from_probe) {
+      EXPECT_EQ(f.record.tracker_from_probe->rotation, e.tracker_from_probe->rotation);
+    }
     EXPECT_EQ(f.record.captured, e.captured);
     EXPECT_EQ(f.record.stamped, e.stamped);
     EXPECT_EQ(f.record.device_count, e.device_count);

@@ -1,0 +1,203 @@
+#include "app/exam/cart_exams.h"
+
+#include <cassert>
+#include <ctime>
+#include <utility>
+
+#include "app/exam/ring_sweep.h"
+
+namespace sonoband::exam {
+namespace {
+
+constexpr std::int64_t look_around_ns = 250'000'000;  // for room on the disk and sweeps that are saved by now
+
+bool in_trouble(const RecorderStatus& s) {
+  return s.state == RecorderStatus::State::full || s.state == RecorderStatus::State::failing;
+}
+
+bool at_rest(const RecorderStatus& s) {
+  return s.state == RecorderStatus::State::idle || s.state == RecorderStatus::State::saved;
+}
+
+SweepSetup copy_of(const SweepSetup& s) {
+  SweepSetup copy;
+  copy.width = s.width;
+  copy.height = s.height;
+  copy.kind = s.kind;
+  copy.frames_per_second = s.frames_per_second;
+  copy.probe_from_image = s.probe_from_image;
+  copy.calibration_error_mm = s.calibration_error_mm;
+  copy.calibration_name = s.calibration_name;
+  copy.latency_offset = s.latency_offset;
+  copy.crop = s.crop;
+  copy.world = s.world;
+  copy.mask = s.mask.copy();
+  copy.versions = s.versions;
+  return copy;
+}
+
+}  // namespace
+
+CartExams::CartExams(CartExamsSettings settings)
+    : settings_(std::move(settings)), folder_(settings_.place, ExamFolder::Use::cart, settings_.lock_wait) {
+  assert(settings_.recorder.now);
+  ::sem_init(&wake_, 0, 0);
+  recorder_ = make_recorder();
+  has_room_ = recorder_->has_room();
+  thread_ = std::thread([this] { keep(); });
+}
+
+CartExams::~CartExams() {
+  finish();
+  ::sem_destroy(&wake_);
+}
+
+std::unique_ptr<Recorder> CartExams::make_recorder() {
+  const ExamFolder::NewExam made = folder_.new_exam();
+  RecorderSettings settings = settings_.recorder;
+  settings.new_id = made.id;
+  {
+    const std::lock_guard lock(mutex_);
+    id_ = made.id;
+  }
+  return std::make_unique<Recorder>(made.file, settings);
+}
+
+void CartExams::begin(const Sweep& sweep) {
+  [[maybe_unused]] const bool taken = begun_.try_emplace(sweep);
+  assert(taken);
+  ::sem_post(&wake_);
+}
+
+void CartExams::ended() {
+  save_now_.store(true, std::memory_order_release);
+  ::sem_post(&wake_);
+}
+
+void CartExams::keep() {
+  bool rested = true;
+  while (!ending_.load(std::memory_order_acquire)) {
+    timespec until{};
+    ::clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += look_around_ns;
+    if (until.tv_nsec >= 1'000'000'000) {
+      until.tv_nsec -= 1'000'000'000;
+      ++until.tv_sec;
+    }
+    ::sem_timedwait(&wake_, &until);
+    take_wishes();
+    take_sweeps();
+    const RecorderStatus status = recorder_->status();
+    has_room_.store(recorder_->has_room(), std::memory_order_relaxed);
+    const bool rests = at_rest(status);
+    if (rests && !rested) ask_for_list();
+    rested = rests;
+    read_list();
+  }
+  take_wishes();
+  take_sweeps();
+}
+
+void CartExams::take_sweeps() {
+  while (const Sweep* sweep = begun_.front()) {
+    SweepSetup setup = copy_of(settings_.sweep);
+    setup.pressed = sweep->pressed();
+    setup.pressed_utc_ns = utc_now_ns() - (settings_.recorder.now() - setup.pressed).count();
+    recorder_->begin(std::make_shared<RingSweep>(*sweep, &readings_), std::move(setup));
+    begun_.pop();
+    const std::lock_guard lock(mutex_);
+    used_ = true;
+  }
+  if (save_now_.exchange(false, std::memory_order_acq_rel)) recorder_->save_now();
+}
+
+void CartExams::take_wishes() {
+  std::optional<std::string> label;
+  bool used = false;
+  {
+    const std::lock_guard lock(mutex_);
+    label = std::exchange(new_exam_, std::nullopt);
+    used = used_;
+  }
+  if (label && used) {
+    // A sweep begun before the wish belongs to the former exam.
+    take_sweeps();
+    std::unique_ptr<Recorder> next = make_recorder();
+    const std::lock_guard lock(mutex_);
+    former_.push_back(std::exchange(recorder_, std::move(next)));
+    used_ = false;
+  }
+  if (label) recorder_->set_label(*label);
+  std::vector<std::unique_ptr<Recorder>> done;  // outside the lock: a recorder's end closes its exam
+  const std::lock_guard lock(mutex_);
+  for (auto& former : former_)
+    if (at_rest(former->status())) done.push_back(std::move(former));
+  std::erase(former_, nullptr);
+}
+
+void CartExams::read_list() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(list_wanted_, false)) return;
+  }
+  std::shared_ptr<const std::vector<ExamSummary>> list;
+  try {
+    list = std::make_shared<const std::vector<ExamSummary>>(folder_.list());
+  } catch (const StoreError&) {
+    return;  // the recorder's status says what is wrong with the disk; the old list stays
+  }
+  const std::lock_guard lock(mutex_);
+  list_ = std::move(list);
+}
+
+RecorderStatus CartExams::status() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& former : former_)
+    if (RecorderStatus s = former->status(); in_trouble(s)) return s;
+  return recorder_->status();
+}
+
+std::string CartExams::exam_id() const {
+  const std::lock_guard lock(mutex_);
+  return id_;
+}
+
+std::shared_ptr<const std::vector<ExamSummary>> CartExams::list() const {
+  const std::lock_guard lock(mutex_);
+  return list_;
+}
+
+void CartExams::ask_for_list() {
+  {
+    const std::lock_guard lock(mutex_);
+    list_wanted_ = true;
+  }
+  ::sem_post(&wake_);
+}
+
+void CartExams::new_exam(std::string label) {
+  {
+    const std::lock_guard lock(mutex_);
+    new_exam_ = std::move(label);
+  }
+  ::sem_post(&wake_);
+}
+
+std::uint64_t CartExams::add_review(ReviewObject object) {
+  const std::lock_guard lock(mutex_);
+  used_ = true;
+  return recorder_->add_review(std::move(object));
+}
+
+void CartExams::finish() {
+  if (!thread_.joinable()) return;
+  ending_.store(true, std::memory_order_release);
+  ::sem_post(&wake_);
+  thread_.join();
+  for (const auto& former : former_) former->finish();
+  recorder_->finish();
+  list_wanted_ = true;
+  read_list();
+}
+
+}  // namespace sonoband::exam

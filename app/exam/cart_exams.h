@@ -1,0 +1,99 @@
+// The exams of a running cart: takes every sweep to disk while it grows. Acquisition never waits for it, and
+// it does not wait for the screen.
+//
+//     capture thread ──on_reading, begin, ended (no heap, no lock)──▶ keeper thread ──▶ Recorder's thread ──▶
+//     disk owner ──status, list, new_exam, add_review──▶
+#pragma once
+
+#include <semaphore.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/exam/exam_folder.h"
+#include "app/exam/recorder.h"
+#include "core/concurrency/spsc_queue.h"
+#include "core/sweep/pose_log.h"
+#include "core/sweep/sweep.h"
+
+namespace sonoband::exam {
+
+struct CartExamsSettings {
+  std::filesystem::path place;
+  // Of every sweep; `pressed` and its date are filled in.
+  SweepSetup sweep;
+  RecorderSettings recorder;  // without new_id; `now` is the cart's clock
+  // How long to wait for a former cart program that is still ending.
+  Duration lock_wait = std::chrono::seconds(10);
+};
+
+// One exam holds the sweeps of a run until the next new_exam; its file is made with its first sweep.
+class CartExams {
+ public:
+  // Recovers what a former run left. Throws StoreError where the folder cannot be used.
+  explicit CartExams(CartExamsSettings settings);
+  ~CartExams();  // finishes
+  CartExams(const CartExams&) = delete;
+  CartExams& operator=(const CartExams&) = delete;
+
+  // Capture thread.
+  void on_reading(const PoseSample& reading) { readings_.add(reading); }
+  void begin(const Sweep& sweep);  // at most 16 that the keeper has not seen yet: more than a ring holds
+  void ended();                    // a sweep has got its last frame
+  bool has_room() const { return has_room_.load(std::memory_order_relaxed); }
+
+  // Any thread; these never wait for the disk.
+  // Of the present exam; of an earlier one while that is in trouble.
+  RecorderStatus status() const;
+  std::string exam_id() const;  // of the present exam, made or not
+  const std::filesystem::path& place() const { return folder_.place(); }
+  // What this start found cut off or damaged: a sentence each.
+  const std::vector<std::string>& recovered() const { return folder_.recovered(); }
+  // Newest first, read anew after each saved sweep and when asked. Null: not read yet.
+  std::shared_ptr<const std::vector<ExamSummary>> list() const;
+  void ask_for_list();
+  // The next sweep begins another exam, of a patient with this label (may be empty). An exam that has no
+  // sweep yet only gets the label.
+  void new_exam(std::string label);
+  // Of the present exam. Gives a ticket: RecorderStatus::reviews_saved.
+  std::uint64_t add_review(ReviewObject object);
+
+  // After the last begin: saves what can be saved and lets go of every sweep; waits for the disk, at most
+  // RecorderSettings::goodbye when that is in trouble.
+  void finish();
+
+ private:
+  void keep();
+  void take_sweeps();
+  void take_wishes();
+  void read_list();
+  std::unique_ptr<Recorder> make_recorder();
+
+  CartExamsSettings settings_;
+  ExamFolder folder_;
+  PoseLog readings_{65536};
+  SpscQueue<Sweep> begun_{16};
+  ::sem_t wake_;  // posting it takes no lock, so the capture thread may
+  std::atomic<bool> ending_{false};
+  std::atomic<bool> save_now_{false};
+  std::atomic<bool> has_room_{false};
+
+  mutable std::mutex mutex_;  // held for moments, never while the disk works
+  std::unique_ptr<Recorder> recorder_;
+  std::vector<std::unique_ptr<Recorder>> former_;  // still saving
+  std::string id_;
+  bool used_ = false;  // the present exam has a sweep or a review
+  std::optional<std::string> new_exam_;
+  bool list_wanted_ = true;
+  std::shared_ptr<const std::vector<ExamSummary>> list_;
+
+  std::thread thread_;
+};
+
+}  // namespace sonoband::exam
