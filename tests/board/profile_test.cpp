@@ -39,6 +39,8 @@ stuck-s = 90
 [ring]
 frames = 600
 pre-roll-s = 0.5
+[exams]
+reserve-mb = 2048
 [simulation]
 scene = "vessels"
 sweep = "fan"
@@ -56,6 +58,7 @@ seed = 7
   EXPECT_EQ(p.pedal.stuck_s, 90);
   EXPECT_EQ(p.ring.frames, 600);
   EXPECT_EQ(p.ring.pre_roll_s, 0.5);
+  EXPECT_EQ(p.exams.reserve_mb, 2048);
   EXPECT_EQ(p.simulation.scene, "vessels");
   EXPECT_EQ(p.simulation.sweep, "fan");
   EXPECT_EQ(p.simulation.seed, 7);
