@@ -15,16 +15,6 @@ constexpr double float_tie_mm = 1e-5;
 // Above so many candidates a patch of many layers is cheaper in halves.
 constexpr std::size_t many_candidates = 10;
 
-LayerThresholds constant_thresholds(bool holds) {
-  LayerThresholds t;
-  t.least = t.greatest = holds ? 0 : 255;
-  t.layer.fill(static_cast<std::uint8_t>(t.least));
-  return t;
-}
-
-const LayerThresholds always_holds = constant_thresholds(true);
-const LayerThresholds never_holds = constant_thresholds(false);
-
 AffineScalar plus(AffineScalar f, double offset) {
   f.offset += offset;
   return f;
@@ -32,26 +22,24 @@ AffineScalar plus(AffineScalar f, double offset) {
 
 }  // namespace
 
-BandPainter::Boundary BandPainter::boundary(const Lattice& lattice, const AffineScalar& value, int l,
-                                            int depth) const {
-  const double per_sample = value.gradient.dot(lattice.per_sample);
-  const double per_row = value.gradient.dot(lattice.per_row);
+ChainBoundary BandPainter::boundary(const Lattice& lattice, const AffineScalar& value, int l) const {
   const double per_layer = value.gradient.dot(lattice.per_layer);
-  const double half_a = (tile_.shape.across - 1) / 2.0, half_b = (tile_.shape.down() - 1) / 2.0;
-  const double half_l = (depth - 1) / 2.0;
-  Boundary result;
-  result.at_tile = {static_cast<float>(value.at(lattice.at(tile_.block.a, tile_.block.b, l))),
-                    static_cast<float>(per_sample), static_cast<float>(per_row),
-                    static_cast<float>(per_layer)};
-  result.centre = static_cast<float>(half_a * per_sample + half_b * per_row + half_l * per_layer);
-  result.extent = static_cast<float>(half_a * std::abs(per_sample) + half_b * std::abs(per_row) +
-                                     half_l * std::abs(per_layer));
+  ChainBoundary result;
+  result.rising = per_layer >= 0;
+  // A condition that hardly changes from layer to layer changes beyond the last one.
+  const double inverse = (result.rising ? -1 : 1) / std::max(std::abs(per_layer), 1e-20);
+  result.first = static_cast<float>(value.at(lattice.at(tile_.block.a, tile_.block.b, l)) * inverse);
+  result.per_sample = static_cast<float>(value.gradient.dot(lattice.per_sample) * inverse);
+  result.per_row = static_cast<float>(value.gradient.dot(lattice.per_row) * inverse);
+  patch_kernels().lay_lanes(tile_.grid, result);
   return result;
 }
 
 void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
-                          const std::vector<Candidate>& candidates, int l, int depth, Cells& cells) const {
+                          const std::vector<Candidate>& candidates, int l, Cells& cells) const {
   cells.members.clear();
+  cells.frames.clear();
+  cells.distances.clear();
   cells.boundaries.clear();
   const std::size_t members = chain.members.size();
   const auto entry = [&](std::size_t m) -> const FrameEntry& {
@@ -59,15 +47,29 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
   };
   const auto z = [&](std::size_t m) { return oriented_z(entry(m)); };
   const auto reach = [&](std::size_t m) { return entry(m).gap_mm + tie_mm + float_tie_mm; };
-  for (const int m : chain.members) cells.members.push_back(tile_.index_of(candidates[m].frame));
-  Boundary always, never;
+  for (const int m : chain.members) {
+    const int place = tile_.index_of(candidates[m].frame);
+    const TileFrame& t = tile_.frames[place];
+    cells.members.push_back(place);
+    ChainFrame frame = t.at;
+    frame.frame = &t.patch;
+    frame.x += l * frame.x_per_layer;
+    frame.y += l * frame.y_per_layer;
+    cells.frames.push_back(frame);
+  }
+  ChainBoundary always, never;
   always.always = true;
   never.never = true;
   // First begins where the first frame reaches, z >= -d; the last ends where z > d.
-  cells.boundaries.push_back(chain.first_ends ? boundary(lattice, plus(z(0), reach(0)), l, depth) : always);
+  cells.boundaries.push_back(chain.first_ends ? boundary(lattice, plus(z(0), reach(0)), l) : always);
   for (std::size_t m = 0; m < members; ++m) {
     if (linear_) {
-      cells.boundaries.push_back(boundary(lattice, z(m), l, depth));
+      const AffineScalar mm = z(m);
+      cells.boundaries.push_back(boundary(lattice, mm, l));
+      cells.distances.push_back({static_cast<float>(mm.at(lattice.at(tile_.block.a, tile_.block.b, l))),
+                                 static_cast<float>(mm.gradient.dot(lattice.per_sample)),
+                                 static_cast<float>(mm.gradient.dot(lattice.per_row)),
+                                 static_cast<float>(mm.gradient.dot(lattice.per_layer))});
     } else if (m > 0) {
       const AffineScalar before = z(m - 1), after = z(m);
       const bool later = cells.members[m] > cells.members[m - 1];
@@ -75,95 +77,55 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
           boundary(lattice,
                    {before.gradient + after.gradient,
                     before.offset + after.offset + (later ? float_tie_mm : -float_tie_mm)},
-                   l, depth));
+                   l));
     }
   }
   cells.boundaries.push_back(
-      chain.last_ends ? boundary(lattice, plus(z(members - 1), -reach(members - 1)), l, depth) : never);
+      chain.last_ends ? boundary(lattice, plus(z(members - 1), -reach(members - 1)), l) : never);
 }
 
-void BandPainter::paint_cells(const Cells& cells, const Patch& patch) {
+void BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
   const int count = static_cast<int>(cells.boundaries.size()) - 1;
-  const auto value_at = [&](int j) {
-    const PatchFunction& f = cells.boundaries[j].at_tile;
-    return f.first + f.per_sample * static_cast<float>(patch.da) + f.per_row * static_cast<float>(patch.db);
-  };
-  // Cells the patch meets: from the last boundary that holds everywhere to the first that holds nowhere.
-  int first = 0, end = count;
-  for (int j = 1; j <= count; ++j) {
-    const Boundary& boundary = cells.boundaries[j];
-    if (boundary.never) break;
-    const float centre = value_at(j) + boundary.centre;
-    if (centre - boundary.extent >= 0) {
-      first = j;
-    } else if (centre + boundary.extent < 0) {
-      end = j;
-      break;
-    }
-  }
-  if (first >= count) return;
-  const auto settle = [&](int j, LayerThresholds& scratch) -> const LayerThresholds* {
-    const Boundary& boundary = cells.boundaries[j];
-    if (boundary.always || (j == first && j > 0)) return &always_holds;
-    if (boundary.never || (j == end && j < count)) return &never_holds;
-    PatchFunction f = boundary.at_tile;
-    f.first = value_at(j);
-    patch_kernels().thresholds(grid_, f, scratch);
-    return &scratch;
-  };
-  std::array<LayerThresholds, 2> scratch;
-  std::array<LaneMask, patch_layers> masks;
-  const LayerThresholds* from = settle(first, scratch[0]);
-  for (int cell = first; cell < end; ++cell) {
-    const LayerThresholds* to = settle(cell + 1, scratch[(cell - first + 1) % 2]);
-    int low = 0, high = patch.depth;
-    if (from->rising) {
-      low = std::max(low, from->least);
-    } else {
-      high = std::min(high, from->greatest);
-    }
-    if (to->rising) {
-      high = std::min(high, to->greatest);
-    } else {
-      low = std::max(low, to->least);
-    }
-    if (low < high) {
-      patch_kernels().between(*from, *to, patch.lanes, low, high, masks.data());
-      take_cell(cells, cell, patch, low, high, masks.data());
-    }
-    from = to;
-  }
-}
-
-// Layers low <= l < high of the patch; masks from low on.
-void BandPainter::take_cell(const Cells& cells, int cell, const Patch& patch, int low, int high,
-                            LaneMask* masks) {
-  const int layers = high - low, layer = patch.l + low;
-  const auto positions = [&](const TileFrame& t, FixedPx offset, FixedPx* x, FixedPx* y) {
-    FixedPx at_x = t.x + patch.da * t.x_per_sample + patch.db * t.x_per_row + layer * t.x_per_layer + offset;
-    FixedPx at_y = t.y + patch.da * t.y_per_sample + patch.db * t.y_per_row + layer * t.y_per_layer + offset;
-    for (int i = 0; i < layers; ++i, at_x += t.x_per_layer, at_y += t.y_per_layer) {
-      x[i] = at_x;
-      y[i] = at_y;
-    }
-  };
   if (!linear_) {
-    std::array<FixedPx, patch_layers> x, y;
-    const TileFrame& t = tile_.frames[cells.members[cell]];
-    positions(t, 0, x.data(), y.data());
-    patch_kernels().take(t.patch, x.data(), y.data(), masks, layers, rule_, totals_.piece());
+    patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
+                               totals_.piece());
     return;
   }
+  std::array<LaneMask, patch_layers> masks;
+  walk_chain(cells.boundaries.data(), count, site,
+             [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range) {
+               std::fill_n(masks.begin(), range.high - range.low, site.lanes);
+               LayerThresholds thresholds;
+               if (from != nullptr) {
+                 patch_kernels().thresholds(*from, site, thresholds);
+                 patch_kernels().hold(thresholds, true, range.low, range.high, masks.data());
+               }
+               if (to != nullptr) {
+                 patch_kernels().thresholds(*to, site, thresholds);
+                 patch_kernels().hold(thresholds, false, range.low, range.high, masks.data());
+               }
+               blend_cell(cells, cell, site, range, masks.data());
+             });
+}
+
+// masks from range.low on.
+void BandPainter::blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
+                             LaneMask* masks) {
+  const int layers = range.high - range.low;
   const auto side = [&](int member, BlendSide& out) {
-    const TileFrame& t = tile_.frames[cells.members[member]];
     out.frame = tile_.candidates[cells.members[member]].frame;
-    out.patch = &t.patch;
-    positions(t, foot_from_position, out.x.data(), out.y.data());
-    // The member's plane is the boundary after its cell.
-    const PatchFunction& z = cells.boundaries[member + 1].at_tile;
+    const ChainFrame& frame = cells.frames[member];
+    out.patch = frame.frame;
+    FixedPx x = frame.x_at(site, range.low) + foot_from_position;
+    FixedPx y = frame.y_at(site, range.low) + foot_from_position;
+    const Distance& z = cells.distances[member];
     const float first =
-        z.first + z.per_sample * static_cast<float>(patch.da) + z.per_row * static_cast<float>(patch.db);
-    for (int i = 0; i < layers; ++i) out.z[i] = first + z.per_layer * static_cast<float>(low + i);
+        z.first + z.per_sample * static_cast<float>(site.da) + z.per_row * static_cast<float>(site.db);
+    for (int i = 0; i < layers; ++i, x += frame.x_per_layer, y += frame.y_per_layer) {
+      out.x[i] = x;
+      out.y[i] = y;
+      out.z[i] = first + z.per_layer * static_cast<float>(range.low + i);
+    }
     out.z_per_sample = z.per_sample;
     out.z_per_row = z.per_row;
   };
@@ -192,7 +154,7 @@ void BandPainter::blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks)
     for (LaneMask rest = odd[l]; rest != 0; rest &= rest - 1) blend_lane(a, b, l, std::countr_zero(rest));
   }
   if (b != nullptr) {
-    patch_kernels().blend(grid_, a.side(), b->side(), masks, layers, rule_, totals_.piece());
+    patch_kernels().blend(tile_.grid, a.side(), b->side(), masks, layers, rule_, totals_.piece());
     return;
   }
   // Alone: blended with itself, whatever the weights.
@@ -205,13 +167,13 @@ void BandPainter::blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks)
   other.y = mine.y;
   a.z.fill(0);
   mine.z_per_sample = mine.z_per_row = 0;
-  patch_kernels().blend(grid_, mine, other, masks, layers, rule_, totals_.piece());
+  patch_kernels().blend(tile_.grid, mine, other, masks, layers, rule_, totals_.piece());
 }
 
 void BandPainter::blend_lane(const BlendSide& a, const BlendSide* b, int l, int lane) {
   const auto z = [&](const BlendSide& s) {
-    return static_cast<double>(s.z[l]) + static_cast<double>(s.z_per_sample) * grid_.a[lane] +
-           static_cast<double>(s.z_per_row) * grid_.b[lane];
+    return static_cast<double>(s.z[l]) + static_cast<double>(s.z_per_sample) * tile_.grid.a[lane] +
+           static_cast<double>(s.z_per_row) * tile_.grid.b[lane];
   };
   TapBlend taps(table_);
   const auto add = [&](const BlendSide& s, double share) {
@@ -284,7 +246,7 @@ void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
 // Any geometry, at place_.
 void BandPainter::paint_place(const std::vector<Candidate>& candidates,
                               const std::vector<const PatchFrame*>& frames) {
-  winners_.find(table_, candidates, frames, place_, grid_, interpolation());
+  winners_.find(table_, candidates, frames, place_, tile_.grid, interpolation());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Winners::Share& s = winners_.share(c);
     if (s.first >= s.last) continue;
@@ -299,9 +261,8 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
 }
 
 // A patch of a tile whose frames are no chain throughout.
-void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block) {
-  std::vector<int> frames;
-  for (const Candidate& c : tile_.candidates) frames.push_back(c.frame);
+void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
+                              const std::vector<int>& frames) {
   std::vector<Candidate> candidates;
   const SampleBox box = box_of(lattice, block);
   cull(table_, frames, box, interpolation(), candidates);
@@ -309,18 +270,17 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block)
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
   if (make_chain(table_, candidates, box, chain)) {
-    lay_out(lattice, chain, candidates, block.l, block.depth, patch_cells_);
-    paint_cells(patch_cells_,
-                {block.a - tile_.block.a, block.b - tile_.block.b, block.l, block.depth, lanes});
+    lay_out(lattice, chain, candidates, block.l, cells_);
+    paint_cells(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes});
     return;
   }
   if (candidates.size() > many_candidates && block.depth > 8) {
     LatticeBlock half = block;
     half.depth = block.depth / 2;
-    paint_block(lattice, half);
+    paint_block(lattice, half, frames);
     half.l += half.depth;
     half.depth = block.depth - half.depth;
-    paint_block(lattice, half);
+    paint_block(lattice, half, frames);
     return;
   }
   place_.layers = block.depth;
@@ -339,39 +299,76 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block)
   paint_place(candidates, patch_frames);
 }
 
+// Paints patch after patch where the frames are a chain, and halves the region where they are not.
+void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& region,
+                               const std::vector<int>& frames) {
+  if (stopped()) return;
+  const LaneShape shape = tile_.shape;
+  const bool whole = region.width == tile_.block.width && region.height == tile_.block.height;
+  std::vector<Candidate> culled;
+  const SampleBox box = whole ? tile_.box : box_of(lattice, region);
+  if (!whole) cull(table_, frames, box, interpolation(), culled);
+  const std::vector<Candidate>& candidates = whole ? tile_.candidates : culled;
+  if (candidates.empty()) return;
+  const auto paint_patches = [&](auto paint) {
+    for (int b = region.b; b < region.b + region.height; b += shape.down()) {
+      if (stopped()) return;
+      for (int a = region.a; a < region.a + region.width; a += shape.across) {
+        const int width = std::min(shape.across, region.a + region.width - a);
+        const int height = std::min(shape.down(), region.b + region.height - b);
+        totals_.clear();
+        paint(a, b, width, height);
+        totals_.store(image_, a, b, shape);
+      }
+    }
+  };
+  Chain chain;
+  if (region.depth <= patch_layers && make_chain(table_, candidates, box, chain)) {
+    lay_out(lattice, chain, candidates, 0, cells_);
+    paint_patches([&](int a, int b, int width, int height) {
+      paint_cells(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth,
+                           existing_lanes(shape, width, height)});
+    });
+    return;
+  }
+  std::vector<int> near;
+  for (const Candidate& c : candidates) near.push_back(c.frame);
+  const int across = (region.width + shape.across - 1) / shape.across;
+  const int down = (region.height + shape.down() - 1) / shape.down();
+  if (region.depth > patch_layers || across * down == 1) {
+    paint_patches([&](int a, int b, int width, int height) {
+      for (int l = 0; l < region.depth; l += patch_layers) {
+        if (l > 0) totals_.next_piece();
+        paint_block(lattice, {a, b, l, width, height, std::min(patch_layers, region.depth - l)}, near);
+      }
+    });
+    return;
+  }
+  LatticeBlock first = region, second = region;
+  // The longer side, in pixels, unless it is one patch.
+  if (down == 1 || (across > 1 && region.width >= region.height)) {
+    first.width = across / 2 * shape.across;
+    second.a += first.width;
+    second.width -= first.width;
+  } else {
+    first.height = down / 2 * shape.down();
+    second.b += first.height;
+    second.height -= first.height;
+  }
+  paint_region(lattice, first, near);
+  paint_region(lattice, second, near);
+}
+
 void BandPainter::paint_tile(const Lattice& lattice, const std::vector<int>& frames, int a, int b) {
   if (stopped() || !tile_.open(table_, lattice, frames, interpolation(), a, b)) return;
-  const LaneShape shape = tile_.shape;
-  grid_ = lane_grid(shape);
-  Chain chain;
-  const bool chained =
-      lattice.layers <= patch_layers && make_chain(table_, tile_.candidates, tile_.box, chain);
-  if (chained) lay_out(lattice, chain, tile_.candidates, 0, lattice.layers, tile_cells_);
-  for (int db = 0; db < tile_.block.height; db += shape.down()) {
-    if (stopped()) return;
-    for (int da = 0; da < tile_.block.width; da += shape.across) {
-      const int width = std::min(shape.across, tile_.block.width - da);
-      const int height = std::min(shape.down(), tile_.block.height - db);
-      totals_.clear();
-      if (chained) {
-        paint_cells(tile_cells_, {da, db, 0, lattice.layers, existing_lanes(shape, width, height)});
-      } else {
-        for (int l = 0; l < lattice.layers; l += patch_layers) {
-          if (l > 0) totals_.next_piece();
-          paint_block(lattice,
-                      {a + da, b + db, l, width, height, std::min(patch_layers, lattice.layers - l)});
-        }
-      }
-      totals_.store(image_, a + da, b + db, shape);
-    }
-  }
+  paint_region(lattice, tile_.block, frames);
 }
 
 void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first,
                               int last) {
   tile_.shape = LaneShape{patch_lanes};
   const int end = std::min(a + patch_lanes, bundle.samples);
-  grid_ = lane_grid(tile_.shape);
+  tile_.grid = lane_grid(tile_.shape);
   const BlockBox block = box_of(bundle, {first, last, a, end});
   if (block.empty) return;
   cull(table_, frames, block.box, interpolation(), tile_.candidates);

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "core/reslice/chain.h"
+#include "core/reslice/chain_walk.h"
 #include "core/reslice/patch_totals.h"
 #include "core/reslice/tile.h"
 #include "core/reslice/winners.h"
@@ -30,32 +31,28 @@ class BandPainter {
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
 
  private:
-  // Where the cells from this one on begin: value >= 0. Nearest: a cell is a member's, begun by the bisector
-  // with the one before. Linear: a cell lies between two members, begun by the plane of the one before.
-  struct Boundary {
-    PatchFunction at_tile;
-    float extent = 0;  // over a patch, from its centre
-    float centre = 0;  // of a patch, from lane 0
-    bool always = false, never = false;
+  // first + a per_sample + b per_row + l per_layer mm at the tile's sample (a, b), layer l of the piece.
+  struct Distance {
+    float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
   };
-  // A chain laid out for patches: members' places in tile_.frames and the boundaries of cells.
+  // A chain laid out for patches. Nearest: a cell is a member's, begun by the bisector with the one before.
+  // Linear: a cell lies between two members, begun by the plane of the one before.
   struct Cells {
-    std::vector<int> members;
-    std::vector<Boundary> boundaries;  // one more than cells
-  };
-  struct Patch {
-    int da = 0, db = 0;  // from the tile's corner
-    int l = 0, depth = 0;
-    LaneMask lanes = 0;
+    std::vector<int> members;               // places in tile_.frames
+    std::vector<ChainFrame> frames;         // theirs
+    std::vector<Distance> distances;        // theirs; linear only
+    std::vector<ChainBoundary> boundaries;  // one more than cells
   };
 
   Interpolation interpolation() const { return linear_ ? Interpolation::linear : Interpolation::nearest; }
-  Boundary boundary(const Lattice& lattice, const AffineScalar& value, int l, int depth) const;
+  ChainBoundary boundary(const Lattice& lattice, const AffineScalar& value, int l) const;
   void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates, int l,
-               int depth, Cells& cells) const;
-  void paint_cells(const Cells& cells, const Patch& patch);
-  void take_cell(const Cells& cells, int cell, const Patch& patch, int low, int high, LaneMask* masks);
-  void paint_block(const Lattice& lattice, const LatticeBlock& block);
+               Cells& cells) const;
+  void paint_cells(const Cells& cells, const PatchSite& site);
+  void blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
+                  LaneMask* masks);
+  void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
+  void paint_block(const Lattice& lattice, const LatticeBlock& block, const std::vector<int>& frames);
   void paint_place(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames);
   void blend_shares(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames,
                     std::size_t a, int b);
@@ -80,9 +77,8 @@ class BandPainter {
   Rule rule_;
   BandImage& image_;
   PatchTotals totals_;
-  LaneGrid grid_{};
   Tile tile_;
-  Cells tile_cells_, patch_cells_;
+  Cells cells_;
   Winners winners_;
   PatchPlace place_;
   BlendSide side_a_, side_b_;

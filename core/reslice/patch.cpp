@@ -32,21 +32,16 @@ bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_r
          frame.y_px.gradient.norm() * px <= most_px;
 }
 
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, int taps,
-                      PatchFrame& out) {
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, LaneShape shape,
+                      int taps, PatchFrame& out) {
   out.pixels = frame.pixels;
   out.stride = frame.stride;
   out.width = frame.width;
   out.height = frame.height;
   const auto fixed = [](double px) { return std::llround(px * fixed_per_px); };
-  const FixedPx x_a = fixed(steps.x_per_sample), x_b = fixed(steps.x_per_row);
-  const FixedPx y_a = fixed(steps.y_per_sample), y_b = fixed(steps.y_per_row);
-  for (int b = 0, k = 0; b < shape.down(); ++b) {
-    for (int a = 0; a < shape.across; ++a, ++k) {
-      out.offset_x[k] = static_cast<std::int32_t>((a * x_a + b * x_b) >> 16);
-      out.offset_y[k] = static_cast<std::int32_t>((a * y_a + b * y_b) >> 16);
-    }
-  }
+  const PatchKernels& kernels = patch_kernels();
+  kernels.lane_positions(grid, fixed(steps.x_per_sample), fixed(steps.x_per_row), out.offset_x.data());
+  kernels.lane_positions(grid, fixed(steps.y_per_sample), fixed(steps.y_per_row), out.offset_y.data());
   // An affine function has its extremes at the corners.
   const int corners[4] = {0, shape.across - 1, patch_lanes - shape.across, patch_lanes - 1};
   const auto extremes = [&](const auto& offsets) {
@@ -65,14 +60,8 @@ void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape
   out.least_row = least_y >> 16;
   out.columns = (greatest_x >> 16) - out.least_column;
   out.rows = (greatest_y >> 16) - out.least_row;
-  for (int k = 0; k < patch_lanes; ++k) {
-    out.part_x[k] = static_cast<std::uint16_t>(out.offset_x[k]);
-    out.part_y[k] = static_cast<std::uint16_t>(out.offset_y[k]);
-  }
-  for (int k = 0; k < patch_lanes; ++k) {
-    out.column[k] = static_cast<std::uint8_t>((out.offset_x[k] >> 16) - out.least_column);
-    out.row[k] = static_cast<std::uint8_t>((out.offset_y[k] >> 16) - out.least_row);
-  }
+  kernels.split_positions(out.offset_x.data(), out.least_column, out.part_x.data(), out.column.data());
+  kernels.split_positions(out.offset_y.data(), out.least_row, out.part_y.data(), out.row.data());
   // A carry adds one column and one row to what the lanes span, and so does each tap beyond the first.
   const bool fits_rows = out.columns + taps < 128 && out.rows + taps < 128;
   const bool fits_window =

@@ -70,13 +70,42 @@ enum class Rule : std::uint8_t { maximum, minimum, mean_grey, mean_doppler };
 // For each lane the layer where an affine condition changes: true from that layer on, or up to it.
 struct alignas(64) LayerThresholds {
   std::array<std::uint8_t, patch_lanes> layer;
-  int least = 0, greatest = 0;  // of layer
-  bool rising = true;           // condition holds for l >= layer; else for l < layer
+  bool rising = true;  // condition holds for l >= layer; else for l < layer
 };
 
-// first + a per_sample + b per_row + l per_layer at lane (a, b) of layer l.
-struct PatchFunction {
-  float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
+// Where patches of a tile begin: samples and rows from the tile's corner, how many layers, which lanes exist.
+struct PatchSite {
+  int da = 0, db = 0;
+  int depth = 0;  // layers 0 .. depth - 1 of the piece the boundaries were laid out for
+  LaneMask lanes = 0;
+};
+
+// An affine condition over a tile, value >= 0, by the layer at which it changes: for each lane that of lane 0
+// plus a constant. In layers, so that a value that hardly changes from layer to layer changes far away.
+struct alignas(64) ChainBoundary {
+  std::array<float, patch_lanes> lanes;  // from lane 0, in the order the instruction set likes
+  float least = 0, greatest = 0;         // of lanes
+  float first = 0, per_sample = 0, per_row = 0;
+  bool rising = true;  // holds from there on, else up to there
+  bool always = false, never = false;
+
+  float at(const PatchSite& site) const {
+    return first + (per_sample * static_cast<float>(site.da) + per_row * static_cast<float>(site.db));
+  }
+};
+
+// A frame as a chain's cells take it: the position of lane 0 is affine over a tile.
+struct ChainFrame {
+  const PatchFrame* frame = nullptr;
+  FixedPx x = 0, x_per_sample = 0, x_per_row = 0, x_per_layer = 0;  // at the tile's corner, layer 0 of the piece
+  FixedPx y = 0, y_per_sample = 0, y_per_row = 0, y_per_layer = 0;
+
+  FixedPx x_at(const PatchSite& p, int l) const {
+    return x + p.da * x_per_sample + p.db * x_per_row + l * x_per_layer;
+  }
+  FixedPx y_at(const PatchSite& p, int l) const {
+    return y + p.da * y_per_sample + p.db * y_per_row + l * y_per_layer;
+  }
 };
 
 // One of two frames to blend: feet (not positions) and distances at lane 0 of each layer.
@@ -91,12 +120,25 @@ struct LinearSide {
 // The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
 // sets give the same bits.
 struct PatchKernels {
-  // Of the condition f >= 0.
-  void (*thresholds)(const LaneGrid& grid, const PatchFunction& f, LayerThresholds& out);
+  // Fills `lanes`, `least` and `greatest` for `per_sample` and `per_row`.
+  void (*lay_lanes)(const LaneGrid& grid, ChainBoundary& boundary);
 
-  // masks[l - first] = lanes where `from` holds and `to` does not, for first <= l < last.
-  void (*between)(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first, int last,
-                  LaneMask* masks);
+  // Of one patch.
+  void (*thresholds)(const ChainBoundary& boundary, const PatchSite& site, LayerThresholds& out);
+
+  // Compounds a patch whose lanes of frame j lie between boundaries[j] and boundaries[j + 1], for j < count;
+  // where boundary j + 1 holds, so does boundary j.
+  void (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                     const PatchSite& site, Rule rule, PatchSums& sums);
+
+  // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel.
+  void (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row, std::int32_t* offsets);
+  // Splits offsets into 16-bit fractions and whole parts less `least`.
+  void (*split_positions)(const std::int32_t* offsets, int least, std::uint16_t* fractions,
+                          std::uint8_t* wholes);
+
+  // masks[l - first] &= lanes where the condition holds, or where it does not, for first <= l < last.
+  void (*hold)(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks);
 
   // masks[l] = lanes where base[l] + a per_sample + b per_row >= 0.
   void (*half_space)(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
@@ -139,8 +181,8 @@ struct FootSteps {
 bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row);
 
 // `taps`: pixels along x and along y that a sample takes. Precondition: patches_hold.
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, LaneShape shape, int taps,
-                      PatchFrame& out);
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, LaneShape shape,
+                      int taps, PatchFrame& out);
 
 // The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
 // numbers never fall below a boundary they are on.

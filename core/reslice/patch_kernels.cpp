@@ -8,10 +8,12 @@
 // Highway's per-target headers come after foreach_target.h.
 #include <hwy/highway.h>
 
+#include "core/reslice/chain_walk.h"
 #include "core/reslice/patch.h"
 #include "core/reslice/patch_linear_plain-inl.h"
 #include "core/reslice/patch_plain-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
+#include "core/reslice/patch_chain_vbmi-inl.h"
 #include "core/reslice/patch_linear_vbmi-inl.h"
 #include "core/reslice/patch_vbmi-inl.h"
 #endif
@@ -20,32 +22,60 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
-HWY_ATTR void thresholds(const LaneGrid& grid, const PatchFunction& f, LayerThresholds& out) {
+// Whole and fractional parts of a * per_sample + b * per_row apart keep products in 32 bits.
+HWY_ATTR void lane_positions(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row,
+                             std::int32_t* offsets) {
+  const Floats d;
+  const Ints ints;
+  const auto high = [&](FixedPx step) HWY_ATTR {
+    return hn::Set(ints, static_cast<std::int32_t>(step >> 16));
+  };
+  const auto low = [&](FixedPx step) HWY_ATTR {
+    return hn::Set(ints, static_cast<std::int32_t>(step & 0xffff));
+  };
+  const auto high_a = high(per_sample), low_a = low(per_sample), high_b = high(per_row), low_b = low(per_row);
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
+    const auto a = hn::ConvertTo(ints, hn::Load(d, grid.a.data() + k));
+    const auto b = hn::ConvertTo(ints, hn::Load(d, grid.b.data() + k));
+    const auto carried = hn::ShiftRight<16>(hn::Add(hn::Mul(a, low_a), hn::Mul(b, low_b)));
+    hn::Store(hn::Add(hn::Add(hn::Mul(a, high_a), hn::Mul(b, high_b)), carried), ints, offsets + k);
+  }
+}
+
+HWY_ATTR void split_positions(const std::int32_t* offsets, int least, std::uint16_t* fractions,
+                              std::uint8_t* wholes) {
+  const Ints ints;
+  const hn::Rebind<std::uint16_t, Ints> words;
+  const hn::Rebind<std::uint8_t, Ints> bytes;
+  const auto first = hn::Set(ints, least);
+  const auto mask = hn::Set(ints, 0xffff);
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(ints)) {
+    const auto at = hn::Load(ints, offsets + k);
+    hn::StoreU(hn::DemoteTo(words, hn::And(at, mask)), words, fractions + k);
+    const auto whole_part = hn::And(hn::Sub(hn::ShiftRight<16>(at), first), hn::Set(ints, 0xff));
+    hn::StoreU(hn::DemoteTo(bytes, whole_part), bytes, wholes + k);
+  }
+}
+
+HWY_ATTR void thresholds(const ChainBoundary& boundary, const PatchSite& site, LayerThresholds& out) {
+  out.rising = boundary.rising;
+#if HWY_TARGET == HWY_AVX3_DL
+  _mm512_store_si512(out.layer.data(), threshold_layers(boundary, boundary.at(site)));
+#else
   const Floats d;
   const hn::Rebind<std::int32_t, Floats> ints;
   const hn::Rebind<std::uint8_t, Floats> bytes;
-  out.rising = f.per_layer >= 0;
-  // A condition that hardly changes from layer to layer changes beyond the last one.
-  const float steepness = std::max(std::abs(f.per_layer), 1e-20F);
-  const auto inverse = hn::Set(d, (out.rising ? -1.0F : 1.0F) / steepness);
-  const auto first = hn::Set(d, f.first);
-  const auto per_sample = hn::Set(d, f.per_sample), per_row = hn::Set(d, f.per_row);
+  const auto at = hn::Set(d, boundary.at(site));
   const auto zero = hn::Zero(d), most = hn::Set(d, 255.0F), one = hn::Set(d, 1.0F);
-  auto least = most, greatest = zero;
   for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
-    const auto along = hn::Mul(per_sample, hn::Load(d, grid.a.data() + k));
-    const auto down = hn::Mul(per_row, hn::Load(d, grid.b.data() + k));
-    const auto crossing = hn::Mul(hn::Add(hn::Add(first, along), down), inverse);
+    const auto crossing = hn::Add(at, hn::Load(d, boundary.lanes.data() + k));
     // Bounded before rounding: the conversion to integers must not overflow.
     const auto bounded = hn::Min(hn::Max(crossing, hn::Neg(one)), most);
-    const auto layer = out.rising ? hn::Ceil(bounded) : hn::Add(hn::Floor(bounded), one);
+    const auto layer = boundary.rising ? hn::Ceil(bounded) : hn::Add(hn::Floor(bounded), one);
     const auto clamped = hn::Min(hn::Max(layer, zero), most);
-    least = hn::Min(least, clamped);
-    greatest = hn::Max(greatest, clamped);
     hn::StoreU(hn::DemoteTo(bytes, hn::ConvertTo(ints, clamped)), bytes, out.layer.data() + k);
   }
-  out.least = static_cast<int>(hn::GetLane(hn::MinOfLanes(d, least)));
-  out.greatest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(d, greatest)));
+#endif
 }
 
 // Lane offsets of an affine function.
@@ -55,16 +85,11 @@ HWY_ATTR inline void lane_offsets(const LaneGrid& grid, float per_sample, float 
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-HWY_ATTR void between(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first,
-                      int last, LaneMask* masks) {
-  const __m512i t_from = _mm512_load_si512(from.layer.data()), t_to = _mm512_load_si512(to.layer.data());
-  const LaneMask flip_from = from.rising ? 0 : ~LaneMask{0}, flip_to = to.rising ? ~LaneMask{0} : 0;
-  for (int l = first; l < last; ++l) {
-    const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
-    const LaneMask after_from = _mm512_cmple_epu8_mask(t_from, layer);
-    const LaneMask after_to = _mm512_cmple_epu8_mask(t_to, layer);
-    masks[l - first] = lanes & (after_from ^ flip_from) & (after_to ^ flip_to);
-  }
+HWY_ATTR void hold(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks) {
+  const __m512i layers = _mm512_load_si512(thresholds.layer.data());
+  const LaneMask flip = thresholds.rising == holding ? 0 : ~LaneMask{0};
+  for (int l = first; l < last; ++l)
+    masks[l - first] &= _mm512_cmple_epu8_mask(layers, _mm512_set1_epi8(static_cast<char>(l))) ^ flip;
 }
 
 HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
@@ -110,14 +135,16 @@ HWY_ATTR inline LaneMask not_above(const std::uint8_t* values, std::uint8_t most
   return mask;
 }
 
-HWY_ATTR void between(const LayerThresholds& from, const LayerThresholds& to, LaneMask lanes, int first,
-                      int last, LaneMask* masks) {
-  const LaneMask flip_from = from.rising ? 0 : ~LaneMask{0}, flip_to = to.rising ? ~LaneMask{0} : 0;
-  for (int l = first; l < last; ++l) {
-    const auto layer = static_cast<std::uint8_t>(l);
-    masks[l - first] = lanes & (not_above(from.layer.data(), layer) ^ flip_from) &
-                       (not_above(to.layer.data(), layer) ^ flip_to);
-  }
+HWY_ATTR void hold(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks) {
+  const LaneMask flip = thresholds.rising == holding ? 0 : ~LaneMask{0};
+  for (int l = first; l < last; ++l)
+    masks[l - first] &= not_above(thresholds.layer.data(), static_cast<std::uint8_t>(l)) ^ flip;
+}
+
+HWY_ATTR void lay_lanes(const LaneGrid& grid, ChainBoundary& b) {
+  lane_offsets(grid, b.per_sample, b.per_row, b.lanes.data());
+  b.least = *std::min_element(b.lanes.begin(), b.lanes.end());
+  b.greatest = *std::max_element(b.lanes.begin(), b.lanes.end());
 }
 
 HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
@@ -146,6 +173,31 @@ HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, c
 }
 
 template <Rule rule>
+HWY_ATTR void take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                            const PatchSite& site, PatchSums& sums) {
+  LaneMask masks[patch_layers];
+  LayerThresholds scratch;
+  walk_chain(boundaries, count, site,
+             [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range)
+                 HWY_ATTR {
+                   std::fill(masks, masks + (range.high - range.low), site.lanes);
+                   if (from != nullptr) {
+                     thresholds(*from, site, scratch);
+                     hold(scratch, true, range.low, range.high, masks);
+                   }
+                   if (to != nullptr) {
+                     thresholds(*to, site, scratch);
+                     hold(scratch, false, range.low, range.high, masks);
+                   }
+                   const ChainFrame& f = frames[cell];
+                   for (int l = range.low; l < range.high; ++l) {
+                     const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+                     take_single<rule>(*f.frame, &x, &y, masks + (l - range.low), 1, sums);
+                   }
+                 });
+}
+
+template <Rule rule>
 HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
                        int layers, PatchSums& sums) {
   blend_single<rule>(grid, a, b, masks, layers, sums);
@@ -164,6 +216,20 @@ HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, cons
       return take_by<Rule::mean_grey>(f, x, y, masks, layers, sums);
     case Rule::mean_doppler:
       return take_by<Rule::mean_doppler>(f, x, y, masks, layers, sums);
+  }
+}
+
+HWY_ATTR void take_chain(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                         const PatchSite& site, Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_chain_by<Rule::maximum>(frames, boundaries, count, site, sums);
+    case Rule::minimum:
+      return take_chain_by<Rule::minimum>(frames, boundaries, count, site, sums);
+    case Rule::mean_grey:
+      return take_chain_by<Rule::mean_grey>(frames, boundaries, count, site, sums);
+    case Rule::mean_doppler:
+      return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
   }
 }
 
@@ -253,8 +319,9 @@ HWY_ATTR void stack(const std::uint8_t* layer, const std::uint8_t* has_data, int
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{thresholds, between, half_space,  inside,
-                                        take,       blend,   taps_inside, stack};
+  static constexpr PatchKernels kernels{lay_lanes, thresholds,  take_chain, lane_positions, split_positions,
+                                        hold,      half_space,  inside,     take,           blend,
+                                        taps_inside, stack};
   return kernels;
 }
 

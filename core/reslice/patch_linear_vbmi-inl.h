@@ -56,7 +56,7 @@ class TapsBase {
 
 class RowsTaps : TapsBase {
  public:
-  HWY_ATTR RowsTaps(const PatchFrame& f, const FixedPx*, const FixedPx*, int) : TapsBase(f) {}
+  HWY_ATTR RowsTaps(const PatchFrame& f, bool, bool) : TapsBase(f) {}
 
   HWY_ATTR HWY_INLINE Taps at(FixedPx x, FixedPx y) {
     const int left = whole(x) + f_.least_column, top = whole(y) + f_.least_row;
@@ -101,8 +101,8 @@ class RowsTaps : TapsBase {
 
 class WindowTaps : TapsBase {
  public:
-  HWY_ATTR WindowTaps(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers)
-      : TapsBase(f), forward_x_(layers < 2 || x[1] >= x[0]), forward_y_(layers < 2 || y[1] >= y[0]) {
+  HWY_ATTR WindowTaps(const PatchFrame& f, bool forward_x, bool forward_y)
+      : TapsBase(f), forward_x_(forward_x), forward_y_(forward_y) {
     for (__m512i& w : window_) w = _mm512_setzero_si512();
   }
 
@@ -169,7 +169,7 @@ template <class FetchTaps>
 class Bilinear {
  public:
   HWY_ATTR Bilinear(const LinearSide& side, int layers)
-      : taps_(*side.frame, side.x, side.y, layers),
+      : taps_(*side.frame, layers < 2 || side.x[1] >= side.x[0], layers < 2 || side.y[1] >= side.y[0]),
         part_x_(words_unpacked(side.frame->part_x.data())),
         part_y_(words_unpacked(side.frame->part_y.data())) {}
 
@@ -288,7 +288,7 @@ HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSi
 template <class FetchTaps>
 HWY_ATTR void taps_inside_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers,
                                    LaneMask* masks) {
-  FetchTaps fetch(f, x, y, layers);
+  FetchTaps fetch(f, layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
   for (int l = 0; l < layers; ++l) {
     if (masks[l] == 0) continue;
     const Taps t = fetch.at(x[l], y[l]);

@@ -44,7 +44,7 @@ inline int whole(FixedPx position) {
 // Lanes on few rows of the picture: each row's stretch is a table of 128 pixels.
 class RowsFetch {
  public:
-  HWY_ATTR RowsFetch(const PatchFrame& f, const FixedPx*, const FixedPx*, int)
+  HWY_ATTR RowsFetch(const PatchFrame& f, bool, bool)
       : pixels_(f.pixels),
         stride_(f.stride),
         width_(f.width),
@@ -54,6 +54,7 @@ class RowsFetch {
         least_y_(f.least_y),
         greatest_y_(f.greatest_y),
         reach_(f.columns + 1 < 80 ? 80 : 128),
+        room_(f.width - reach_),
         carries_x_(f.part_x.data()),
         carries_y_(f.part_y.data()),
         column_(_mm512_load_si512(f.column.data())),
@@ -65,14 +66,22 @@ class RowsFetch {
     const auto y16 = static_cast<std::int32_t>(y >> 16);
     const int top = (y16 + least_y_) >> 16, bottom = (y16 + greatest_y_) >> 16;
     const __m512i one = _mm512_set1_epi8(1);
-    const __m512i index = _mm512_mask_add_epi8(column_, carries_x_.at(x), column_, one);
-    const bool clear_of_edges = left >= 0 && left + reach_ <= width_ && top >= 0 && bottom < height_;
-    if (!clear_of_edges) return at_edge(left, base, top, bottom, index, y);
-    const std::uint8_t* from = pixels_ + top * stride_ + left;
+    __m512i index = _mm512_mask_add_epi8(column_, carries_x_.at(x), column_, one);
+    int from_column = left, first = top, last = bottom;
+    if (left < 0 || left > room_ || top < 0 || bottom >= height_) {
+      if (width_ < reach_) return at_edge(left, base, top, bottom, index, y);
+      // Within the picture; lanes beyond it get any value.
+      from_column = std::clamp(left, 0, room_);
+      index = _mm512_add_epi8(index, _mm512_set1_epi8(static_cast<char>(left - from_column)));
+      first = std::max(top, 0);
+      last = std::min(bottom, height_ - 1);
+      if (first > last) return index;
+    }
+    const std::uint8_t* from = pixels_ + first * stride_ + from_column;
     __m512i values = permuted(from, index);
-    if (top == bottom) return values;
+    if (first == last) return values;
     const __m512i row = _mm512_mask_add_epi8(row_, carries_y_.at(y), row_, one);
-    for (int r = top + 1; r <= bottom; ++r) {
+    for (int r = first + 1; r <= last; ++r) {
       from += stride_;
       const __mmask64 here = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - base)));
       values = _mm512_mask_mov_epi8(values, here, permuted(from, index));
@@ -122,6 +131,7 @@ class RowsFetch {
   int width_, height_, least_column_, least_row_;
   std::int32_t least_y_, greatest_y_;
   int reach_;  // columns loaded
+  int room_;   // greatest first column
   Carries carries_x_, carries_y_;
   __m512i column_, row_;
 };
@@ -141,7 +151,8 @@ HWY_ATTR HWY_INLINE void load_window(const std::uint8_t* from, std::ptrdiff_t st
 // Lanes within 16 x 16 pixels, which stay in four registers while the layers move within them.
 class WindowFetch {
  public:
-  HWY_ATTR WindowFetch(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers)
+  // The way x and y move from layer to layer.
+  HWY_ATTR WindowFetch(const PatchFrame& f, bool forward_x, bool forward_y)
       : pixels_(f.pixels),
         stride_(f.stride),
         width_(f.width),
@@ -154,8 +165,8 @@ class WindowFetch {
         carries_y_(f.part_y.data()),
         index_(_mm512_or_si512(_mm512_load_si512(f.column.data()),
                                _mm512_slli_epi16(_mm512_load_si512(f.row.data()), 4))),
-        forward_x_(layers < 2 || x[1] >= x[0]),
-        forward_y_(layers < 2 || y[1] >= y[0]) {
+        forward_x_(forward_x),
+        forward_y_(forward_y) {
     for (__m512i& w : window_) w = _mm512_setzero_si512();
   }
 
@@ -238,7 +249,7 @@ HWY_ATTR HWY_INLINE __mmask64 within(__m512i whole_part, int first, int size) {
 template <class FetchLanes>
 HWY_ATTR void inside_permuted(const PatchFrame& f, const std::uint8_t* mask, const FixedPx* x,
                               const FixedPx* y, int layers, LaneMask* masks) {
-  FetchLanes fetch(f, x, y, layers);
+  FetchLanes fetch(f, layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
   const Carries carries_x(f.part_x.data()), carries_y(f.part_y.data());
   const __m512i column = _mm512_load_si512(f.column.data()), row = _mm512_load_si512(f.row.data());
   const __m512i one = _mm512_set1_epi8(1);
@@ -257,55 +268,67 @@ HWY_ATTR void inside_permuted(const PatchFrame& f, const std::uint8_t* mask, con
   }
 }
 
+// What a patch has gathered, in registers.
+template <Rule rule>
+class Gathered {
+ public:
+  HWY_ATTR HWY_INLINE explicit Gathered(PatchSums& sums)
+      : sums_(&sums),
+        count_(_mm512_load_si512(sums.count.data())),
+        best_(_mm512_load_si512(sums.extreme.data())),
+        sum_(sums.sum.data()) {}
+
+  HWY_ATTR HWY_INLINE void add(__mmask64 m, __m512i v) {
+    const __m512i one = _mm512_set1_epi8(1);
+    count_ = _mm512_mask_add_epi8(count_, m, count_, one);
+    if constexpr (rule == Rule::maximum) {
+      best_ = _mm512_mask_max_epu8(best_, m, best_, v);
+    } else if constexpr (rule == Rule::minimum) {
+      best_ = _mm512_mask_min_epu8(best_, m, best_, v);
+    } else if constexpr (rule == Rule::mean_grey) {
+      sum_.add_unsigned(_mm512_maskz_mov_epi8(m, v));
+    } else {
+      const __mmask64 colour = m & _mm512_movepi8_mask(v);
+      sum_.add_unsigned(_mm512_maskz_mov_epi8(m & ~colour, v));
+      if (colour == 0) return;
+      WideSum velocity(sums_->velocity.data());
+      velocity.add_signed(_mm512_maskz_permutex2var_epi8(colour, _mm512_load_si512(velocity_table.level), v,
+                                                         _mm512_load_si512(velocity_table.level + 64)));
+      velocity.store(sums_->velocity.data());
+      const __m512i coloured = _mm512_load_si512(sums_->coloured.data());
+      _mm512_store_si512(sums_->coloured.data(), _mm512_mask_add_epi8(coloured, colour, coloured, one));
+    }
+  }
+
+  HWY_ATTR HWY_INLINE void store() const {
+    _mm512_store_si512(sums_->count.data(), count_);
+    if constexpr (rule == Rule::maximum || rule == Rule::minimum) {
+      _mm512_store_si512(sums_->extreme.data(), best_);
+    } else {
+      sum_.store(sums_->sum.data());
+    }
+  }
+
+ private:
+  PatchSums* sums_;
+  __m512i count_, best_;
+  WideSum sum_;
+};
+
+constexpr int layers_ahead = 12;  // that memory takes to answer
+
 template <Rule rule, class FetchLanes>
 HWY_ATTR void take_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
                             int layers, PatchSums& sums) {
-  constexpr int ahead = 12;  // layers: the time memory takes
-  FetchLanes fetch(f, x, y, layers);
-  const __m512i one = _mm512_set1_epi8(1);
-  __m512i count = _mm512_load_si512(sums.count.data());
-  if constexpr (rule == Rule::maximum || rule == Rule::minimum) {
-    __m512i best = _mm512_load_si512(sums.extreme.data());
-    for (int l = 0; l < layers; ++l) {
-      const __mmask64 m = masks[l];
-      if (m == 0) continue;
-      if (l + ahead < layers) fetch.prefetch(x[l + ahead], y[l + ahead]);
-      const __m512i v = fetch.at(x[l], y[l]);
-      best = rule == Rule::maximum ? _mm512_mask_max_epu8(best, m, best, v)
-                                   : _mm512_mask_min_epu8(best, m, best, v);
-      count = _mm512_mask_add_epi8(count, m, count, one);
-    }
-    _mm512_store_si512(sums.extreme.data(), best);
-  } else if constexpr (rule == Rule::mean_grey) {
-    WideSum sum(sums.sum.data());
-    for (int l = 0; l < layers; ++l) {
-      const __mmask64 m = masks[l];
-      if (m == 0) continue;
-      sum.add_unsigned(_mm512_maskz_mov_epi8(m, fetch.at(x[l], y[l])));
-      count = _mm512_mask_add_epi8(count, m, count, one);
-    }
-    sum.store(sums.sum.data());
-  } else {
-    WideSum sum(sums.sum.data()), velocity(sums.velocity.data());
-    __m512i coloured = _mm512_load_si512(sums.coloured.data());
-    const __m512i table_low = _mm512_load_si512(velocity_table.level);
-    const __m512i table_high = _mm512_load_si512(velocity_table.level + 64);
-    for (int l = 0; l < layers; ++l) {
-      const __mmask64 m = masks[l];
-      if (m == 0) continue;
-      const __m512i v = fetch.at(x[l], y[l]);
-      const __mmask64 colour = m & _mm512_movepi8_mask(v);
-      sum.add_unsigned(_mm512_maskz_mov_epi8(m & ~colour, v));
-      count = _mm512_mask_add_epi8(count, m, count, one);
-      if (colour == 0) continue;
-      velocity.add_signed(_mm512_maskz_permutex2var_epi8(colour, table_low, v, table_high));
-      coloured = _mm512_mask_add_epi8(coloured, colour, coloured, one);
-    }
-    sum.store(sums.sum.data());
-    velocity.store(sums.velocity.data());
-    _mm512_store_si512(sums.coloured.data(), coloured);
+  FetchLanes fetch(f, layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
+  Gathered<rule> gathered(sums);
+  for (int l = 0; l < layers; ++l) {
+    const __mmask64 m = masks[l];
+    if (m == 0) continue;
+    if (l + layers_ahead < layers) fetch.prefetch(x[l + layers_ahead], y[l + layers_ahead]);
+    gathered.add(m, fetch.at(x[l], y[l]));
   }
-  _mm512_store_si512(sums.count.data(), count);
+  gathered.store();
 }
 
 }  // namespace HWY_NAMESPACE

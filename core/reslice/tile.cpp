@@ -44,8 +44,8 @@ void prefetch(const FrameTable& table, const Lattice& lattice, const LatticeBloc
     }
     return std::pair(least / fixed_per_px, greatest / fixed_per_px);
   };
-  const auto [left, right] = range(t.x, t.x_per_sample, t.x_per_row, t.x_per_layer);
-  const auto [top, bottom] = range(t.y, t.y_per_sample, t.y_per_row, t.y_per_layer);
+  const auto [left, right] = range(t.at.x, t.at.x_per_sample, t.at.x_per_row, t.at.x_per_layer);
+  const auto [top, bottom] = range(t.at.y, t.at.y_per_sample, t.at.y_per_row, t.at.y_per_layer);
   const int x0 = static_cast<int>(std::clamp(left, 0.0, f.width - 1.0));
   const int x1 = static_cast<int>(std::clamp(right, 0.0, f.width - 1.0));
   const int y0 = static_cast<int>(std::clamp(top, 0.0, f.height - 1.0));
@@ -110,15 +110,15 @@ void Tile::make_frames(const FrameTable& table, const Lattice& lattice, int a, i
     TileFrame& t = frames[c];
     const FootSteps steps{f.x_px.gradient.dot(lattice.per_sample), f.x_px.gradient.dot(lattice.per_row),
                           f.y_px.gradient.dot(lattice.per_sample), f.y_px.gradient.dot(lattice.per_row)};
-    make_patch_frame(f, steps, shape, taps, t.patch);
-    t.x = fixed_position(f.x_px.at(origin));
-    t.y = fixed_position(f.y_px.at(origin));
-    t.x_per_sample = fixed(steps.x_per_sample);
-    t.x_per_row = fixed(steps.x_per_row);
-    t.x_per_layer = fixed(f.x_px.gradient.dot(lattice.per_layer));
-    t.y_per_sample = fixed(steps.y_per_sample);
-    t.y_per_row = fixed(steps.y_per_row);
-    t.y_per_layer = fixed(f.y_px.gradient.dot(lattice.per_layer));
+    make_patch_frame(f, steps, grid, shape, taps, t.patch);
+    t.at.x = fixed_position(f.x_px.at(origin));
+    t.at.y = fixed_position(f.y_px.at(origin));
+    t.at.x_per_sample = fixed(steps.x_per_sample);
+    t.at.x_per_row = fixed(steps.x_per_row);
+    t.at.x_per_layer = fixed(f.x_px.gradient.dot(lattice.per_layer));
+    t.at.y_per_sample = fixed(steps.y_per_sample);
+    t.at.y_per_row = fixed(steps.y_per_row);
+    t.at.y_per_layer = fixed(f.y_px.gradient.dot(lattice.per_layer));
   }
 }
 
@@ -140,6 +140,7 @@ bool Tile::open(const FrameTable& table, const Lattice& lattice, const std::vect
   cull(table, near, box, interpolation, candidates);
   if (candidates.empty()) return false;
   shape = choose_shape(table, lattice);
+  grid = lane_grid(shape);
   make_frames(table, lattice, a, b, interpolation == Interpolation::linear ? 2 : 1);
   for (std::size_t c = 0; c < candidates.size(); ++c)
     prefetch(table, lattice, block, frames[c], candidates[c]);

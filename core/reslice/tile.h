@@ -10,17 +10,17 @@ namespace sonoband {
 
 constexpr int tile_pixels = 64;  // a tile's width and height: every patch shape divides it
 
-// A candidate as the patches of a tile see it: positions of lane 0 are affine in sample, row and layer.
+// A candidate as the patches of a tile see it.
 struct TileFrame {
   PatchFrame patch;
-  FixedPx x = 0, x_per_sample = 0, x_per_row = 0, x_per_layer = 0;  // at the tile's first sample, row, layer
-  FixedPx y = 0, y_per_sample = 0, y_per_row = 0, y_per_layer = 0;
+  ChainFrame at;  // from the tile's first sample, row and layer; `frame` is set where it is used
 };
 
 struct Tile {
   LatticeBlock block;
   SampleBox box;
   LaneShape shape;
+  LaneGrid grid{};  // of shape
   std::vector<Candidate> candidates;  // ascending by frame
   std::vector<TileFrame> frames;      // theirs; may be longer
 

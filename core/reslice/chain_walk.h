@@ -1,0 +1,78 @@
+// Going through the cells of a chain that a patch meets.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/reslice/patch.h"
+
+namespace sonoband {
+
+// Layers of a patch, low <= l < high.
+struct LayerRange {
+  int low = 0, high = 0;
+};
+
+// What one boundary leaves of a patch's layers, over all lanes. Exact: rounding keeps the order of sums.
+struct BoundaryReach {
+  float least, greatest;  // of the layer where it changes, over the lanes
+  BoundaryReach(const ChainBoundary& boundary, const PatchSite& site) {
+    const float at = boundary.at(site);
+    least = std::clamp(at + boundary.least, -2.0F, 300.0F);
+    greatest = std::clamp(at + boundary.greatest, -2.0F, 300.0F);
+  }
+  bool everywhere(const ChainBoundary& boundary, int depth) const {
+    if (boundary.always || boundary.never) return boundary.always;
+    return boundary.rising ? greatest <= 0 : least >= static_cast<float>(depth - 1);
+  }
+  bool nowhere(const ChainBoundary& boundary, int depth) const {
+    if (boundary.always || boundary.never) return boundary.never;
+    return boundary.rising ? least > static_cast<float>(depth - 1) : greatest < 0;
+  }
+};
+
+// Narrows `range` to layers where some lane has the boundary hold, or not hold.
+inline void keep_holding(const ChainBoundary& boundary, const BoundaryReach& reach, LayerRange& range) {
+  if (boundary.rising) {
+    range.low = std::max(range.low, static_cast<int>(std::ceil(reach.least)));
+  } else {
+    range.high = std::min(range.high, static_cast<int>(std::floor(reach.greatest)) + 1);
+  }
+}
+inline void keep_not_holding(const ChainBoundary& boundary, const BoundaryReach& reach, LayerRange& range) {
+  if (boundary.rising) {
+    range.high = std::min(range.high, static_cast<int>(std::ceil(reach.greatest)));
+  } else {
+    range.low = std::max(range.low, static_cast<int>(std::floor(reach.least)) + 1);
+  }
+}
+
+// Calls visit(cell, from, to, range) for every cell with layers in the patch; `from` or `to` is null where
+// the cell's boundary on that side leaves all of the range.
+template <class Visit>
+inline void walk_chain(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
+  const ChainBoundary* from = boundaries;
+  BoundaryReach from_reach(*from, site);
+  for (int cell = 0; cell < count; ++cell) {
+    const ChainBoundary* to = boundaries + cell + 1;
+    const BoundaryReach to_reach(*to, site);
+    if (to_reach.everywhere(*to, site.depth)) {
+      from = to;
+      from_reach = to_reach;
+      continue;
+    }
+    const bool begun = from_reach.everywhere(*from, site.depth);
+    if (!begun && from_reach.nowhere(*from, site.depth)) return;
+    const bool ends = !to_reach.nowhere(*to, site.depth);
+    LayerRange range{0, site.depth};
+    if (!begun) keep_holding(*from, from_reach, range);
+    if (ends) keep_not_holding(*to, to_reach, range);
+    if (range.low < range.high) visit(cell, begun ? nullptr : from, ends ? to : nullptr, range);
+    if (!ends) return;
+    from = to;
+    from_reach = to_reach;
+  }
+}
+
+}  // namespace sonoband

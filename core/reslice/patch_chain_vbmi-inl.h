@@ -1,0 +1,147 @@
+// A patch of a chain in one go by byte permutes: sums stay in registers from frame to frame. Included once
+// per target that has them.
+// clang-format off
+#if defined(SONOBAND_PATCH_CHAIN_VBMI_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SONOBAND_PATCH_CHAIN_VBMI_INL_H
+#undef SONOBAND_PATCH_CHAIN_VBMI_INL_H
+#else
+#define SONOBAND_PATCH_CHAIN_VBMI_INL_H
+#endif
+// clang-format on
+
+#include "core/reslice/chain_walk.h"
+#include "core/reslice/patch_vbmi-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sonoband {
+namespace HWY_NAMESPACE {
+
+// Packing four vectors of 32-bit numbers to bytes mixes their quarters. Stored in this order they come out
+// in lane order.
+inline int packing_order(int lane) {
+  return 16 * (lane / 4 % 4) + 4 * (lane / 16) + lane % 4;
+}
+
+HWY_ATTR inline void lay_lanes(const LaneGrid& grid, ChainBoundary& b) {
+  b.least = b.greatest = 0;
+  const __m512 per_sample = _mm512_set1_ps(b.per_sample), per_row = _mm512_set1_ps(b.per_row);
+  __m512 least = _mm512_setzero_ps(), greatest = least;
+  for (int i = 0; i < 4; ++i) {
+    const __m512 at = _mm512_add_ps(_mm512_mul_ps(per_sample, _mm512_load_ps(grid.a.data() + 16 * i)),
+                                    _mm512_mul_ps(per_row, _mm512_load_ps(grid.b.data() + 16 * i)));
+    least = _mm512_min_ps(least, at);
+    greatest = _mm512_max_ps(greatest, at);
+    // Quarter q of vector i goes to quarter i of vector q.
+    _mm_store_ps(b.lanes.data() + 4 * i, _mm512_extractf32x4_ps(at, 0));
+    _mm_store_ps(b.lanes.data() + 16 + 4 * i, _mm512_extractf32x4_ps(at, 1));
+    _mm_store_ps(b.lanes.data() + 32 + 4 * i, _mm512_extractf32x4_ps(at, 2));
+    _mm_store_ps(b.lanes.data() + 48 + 4 * i, _mm512_extractf32x4_ps(at, 3));
+  }
+  b.least = _mm512_reduce_min_ps(least);
+  b.greatest = _mm512_reduce_max_ps(greatest);
+}
+
+// The layer of each lane where the condition changes, in bytes.
+HWY_ATTR HWY_INLINE __m512i threshold_layers(const ChainBoundary& b, float at) {
+  const __m512 from = _mm512_set1_ps(at), most = _mm512_set1_ps(255.0F);
+  const auto crossing = [&](int q) HWY_ATTR {
+    return _mm512_min_ps(_mm512_add_ps(from, _mm512_load_ps(b.lanes.data() + 16 * q)), most);
+  };
+  if (b.rising) {
+    constexpr int up = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
+    return _mm512_packus_epi16(
+        _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(0), up), _mm512_cvt_roundps_epi32(crossing(1), up)),
+        _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(2), up), _mm512_cvt_roundps_epi32(crossing(3), up)));
+  }
+  constexpr int down = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+  const __m512i one = _mm512_set1_epi16(1);
+  return _mm512_packus_epi16(
+      _mm512_add_epi16(one, _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(0), down),
+                                               _mm512_cvt_roundps_epi32(crossing(1), down))),
+      _mm512_add_epi16(one, _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(2), down),
+                                               _mm512_cvt_roundps_epi32(crossing(3), down))));
+}
+
+// Lanes for which a condition holds at a layer.
+struct Condition {
+  __m512i layers;
+  LaneMask flip;
+  HWY_ATTR HWY_INLINE void settle(const ChainBoundary& b, const PatchSite& site) {
+    layers = threshold_layers(b, b.at(site));
+    flip = b.rising ? 0 : ~LaneMask{0};
+  }
+  HWY_ATTR HWY_INLINE LaneMask at(__m512i layer) const {
+    return _mm512_cmple_epu8_mask(layers, layer) ^ flip;
+  }
+  HWY_ATTR HWY_INLINE void always() {
+    layers = _mm512_setzero_si512();
+    flip = 0;
+  }
+  HWY_ATTR HWY_INLINE void never() {
+    layers = _mm512_setzero_si512();
+    flip = ~LaneMask{0};
+  }
+};
+
+template <Rule rule, class FetchLanes>
+HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, const Condition& from,
+                                   const Condition& to, const LayerRange& range, Gathered<rule>& gathered) {
+  FetchLanes fetch(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
+  FixedPx x = f.x_at(site, range.low), y = f.y_at(site, range.low);
+  for (int l = range.low; l < range.high; ++l, x += f.x_per_layer, y += f.y_per_layer) {
+    const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+    const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
+    if (m == 0) continue;
+    if (l + layers_ahead < range.high)
+      fetch.prefetch(x + layers_ahead * f.x_per_layer, y + layers_ahead * f.y_per_layer);
+    gathered.add(m, fetch.at(x, y));
+  }
+}
+
+template <Rule rule>
+HWY_ATTR void take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                            const PatchSite& site, PatchSums& sums) {
+  Gathered<rule> gathered(sums);
+  Condition conditions[2];
+  const ChainBoundary* settled = nullptr;  // what conditions[0] is of
+  walk_chain(boundaries, count, site,
+             [&](int cell, const ChainBoundary* begin, const ChainBoundary* end, const LayerRange& range)
+                 HWY_ATTR {
+                   Condition& from = conditions[0];
+                   Condition& to = conditions[1];
+                   if (begin == nullptr) {
+                     from.always();
+                   } else if (begin != settled) {
+                     from.settle(*begin, site);
+                   }
+                   if (end == nullptr) {
+                     to.never();
+                   } else {
+                     to.settle(*end, site);
+                   }
+                   const ChainFrame& f = frames[cell];
+                   if (f.frame->fetch == Fetch::window) {
+                     take_cell<rule, WindowFetch>(f, site, from, to, range, gathered);
+                   } else if (f.frame->fetch == Fetch::rows) {
+                     take_cell<rule, RowsFetch>(f, site, from, to, range, gathered);
+                   } else {
+                     gathered.store();
+                     for (int l = range.low; l < range.high; ++l) {
+                       const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+                       const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
+                       const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+                       take_single<rule>(*f.frame, &x, &y, &m, 1, sums);
+                     }
+                     gathered = Gathered<rule>(sums);
+                   }
+                   from = to;
+                   settled = end;
+                 });
+  gathered.store();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sonoband
+HWY_AFTER_NAMESPACE();
+
+#endif
