@@ -84,15 +84,14 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
       chain.last_ends ? boundary(lattice, plus(z(members - 1), -reach(members - 1)), l) : never);
 }
 
-void BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
+int BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
   const int count = static_cast<int>(cells.boundaries.size()) - 1;
   if (!linear_) {
-    patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
-                               totals_.piece());
-    return;
+    return patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
+                                      totals_.piece());
   }
   std::array<LaneMask, patch_layers> masks;
-  walk_chain(cells.boundaries.data(), count, site,
+  return walk_chain(cells.boundaries.data(), count, site,
              [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range) {
                std::fill_n(masks.begin(), range.high - range.low, site.lanes);
                LayerThresholds thresholds;
@@ -325,9 +324,10 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   Chain chain;
   if (region.depth <= patch_layers && make_chain(table_, candidates, box, chain)) {
     lay_out(lattice, chain, candidates, 0, cells_);
+    int start = 0;
     paint_patches([&](int a, int b, int width, int height) {
-      paint_cells(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth,
-                           existing_lanes(shape, width, height)});
+      start = paint_cells(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth,
+                                   existing_lanes(shape, width, height), start});
     });
     return;
   }
@@ -359,9 +359,25 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   paint_region(lattice, second, near);
 }
 
-void BandPainter::paint_tile(const Lattice& lattice, const std::vector<int>& frames, int a, int b) {
-  if (stopped() || !tile_.open(table_, lattice, frames, interpolation(), a, b)) return;
-  paint_region(lattice, tile_.block, frames);
+void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b,
+                              int width) {
+  const int height = std::min(tile_pixels, lattice.rows - b);
+  std::vector<Candidate> candidates;
+  cull(table_, frames, box_of(lattice, {a, b, 0, width, height, lattice.layers}), interpolation(),
+       candidates);
+  std::vector<int> near;
+  for (const Candidate& c : candidates) near.push_back(c.frame);
+  if (near.empty()) return;
+  bool opened = tile_.open(table_, lattice, near, interpolation(), a, b);
+  for (const int end = a + width; a < end; a += tile_pixels) {
+    if (stopped()) return;
+    const bool more = a + tile_pixels < end;
+    const bool next_opened =
+        more && next_tile_.open(table_, lattice, near, interpolation(), a + tile_pixels, b);
+    if (opened) paint_region(lattice, tile_.block, near);
+    std::swap(tile_, next_tile_);
+    opened = next_opened;
+  }
 }
 
 void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first,

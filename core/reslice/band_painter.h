@@ -24,8 +24,9 @@ class BandPainter {
         image_(image),
         totals_(rule_) {}
 
-  // `frames` are those that may matter, ascending.
-  void paint_tile(const Lattice& lattice, const std::vector<int>& frames, int a, int b);
+  // The tiles of samples [a, a + width) from row b on. `frames` are those that may matter, ascending. A tile's
+  // pixels are asked for while the one before is painted.
+  void paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b, int width);
 
   // Rows [first, last) of any bundle, samples [a, a + 64).
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
@@ -48,7 +49,8 @@ class BandPainter {
   ChainBoundary boundary(const Lattice& lattice, const AffineScalar& value, int l) const;
   void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates, int l,
                Cells& cells) const;
-  void paint_cells(const Cells& cells, const PatchSite& site);
+  // Returns a cell for the next patch to start from.
+  int paint_cells(const Cells& cells, const PatchSite& site);
   void blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
                   LaneMask* masks);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
@@ -77,7 +79,7 @@ class BandPainter {
   Rule rule_;
   BandImage& image_;
   PatchTotals totals_;
-  Tile tile_;
+  Tile tile_, next_tile_;
   Cells cells_;
   Winners winners_;
   PatchPlace place_;

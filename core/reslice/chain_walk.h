@@ -50,29 +50,35 @@ inline void keep_not_holding(const ChainBoundary& boundary, const BoundaryReach&
 
 // Calls visit(cell, from, to, range) for every cell with layers in the patch; `from` or `to` is null where
 // the cell's boundary on that side leaves all of the range.
+// Returns the cell it began with.
 template <class Visit>
-inline void walk_chain(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
-  const ChainBoundary* from = boundaries;
+inline int walk_chain(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
+  // Where a boundary holds everywhere, so do those before it.
+  int start = std::min(site.start, count - 1);
+  while (start > 0 && !BoundaryReach(boundaries[start], site).everywhere(boundaries[start], site.depth)) --start;
+  const ChainBoundary* from = boundaries + start;
   BoundaryReach from_reach(*from, site);
-  for (int cell = 0; cell < count; ++cell) {
+  for (int cell = start; cell < count; ++cell) {
     const ChainBoundary* to = boundaries + cell + 1;
     const BoundaryReach to_reach(*to, site);
     if (to_reach.everywhere(*to, site.depth)) {
       from = to;
       from_reach = to_reach;
+      start = cell + 1;
       continue;
     }
     const bool begun = from_reach.everywhere(*from, site.depth);
-    if (!begun && from_reach.nowhere(*from, site.depth)) return;
+    if (!begun && from_reach.nowhere(*from, site.depth)) break;
     const bool ends = !to_reach.nowhere(*to, site.depth);
     LayerRange range{0, site.depth};
     if (!begun) keep_holding(*from, from_reach, range);
     if (ends) keep_not_holding(*to, to_reach, range);
     if (range.low < range.high) visit(cell, begun ? nullptr : from, ends ? to : nullptr, range);
-    if (!ends) return;
+    if (!ends) break;
     from = to;
     from_reach = to_reach;
   }
+  return start;
 }
 
 }  // namespace sonoband

@@ -9,6 +9,7 @@
 namespace sonoband {
 namespace {
 
+constexpr int strip_pixels = 4 * tile_pixels;  // painted by one thread in turn
 constexpr int block_rows = 8;  // of an unrolled surface, culled together
 
 // Where line (row, layer) of a plane starts.
@@ -74,11 +75,13 @@ BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSet
     return image;
   }
   const std::vector<int> all = all_frames(table);
-  const int across = (lattice.samples + tile_pixels - 1) / tile_pixels;
+  const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
   const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
-  parallel.for_each(across * down, [&](int tile) {
+  parallel.for_each(across * down, [&](int strip) {
     BandPainter painter(table, settings, image, stop);
-    painter.paint_tile(lattice, all, tile % across * tile_pixels, tile / across * tile_pixels);
+    const int a = strip % across * strip_pixels;
+    painter.paint_tiles(lattice, all, a, strip / across * tile_pixels,
+                        std::min(strip_pixels, lattice.samples - a));
   });
   return image;
 }

@@ -78,6 +78,7 @@ struct PatchSite {
   int da = 0, db = 0;
   int depth = 0;  // layers 0 .. depth - 1 of the piece the boundaries were laid out for
   LaneMask lanes = 0;
+  int start = 0;  // a cell near the first, such as the first of the patch beside it
 };
 
 // An affine condition over a tile, value >= 0, by the layer at which it changes: for each lane that of lane 0
@@ -128,8 +129,9 @@ struct PatchKernels {
 
   // Compounds a patch whose lanes of frame j lie between boundaries[j] and boundaries[j + 1], for j < count;
   // where boundary j + 1 holds, so does boundary j.
-  void (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                     const PatchSite& site, Rule rule, PatchSums& sums);
+  // Returns the first cell with layers in the patch, or one near it.
+  int (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                    const PatchSite& site, Rule rule, PatchSums& sums);
 
   // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel.
   void (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row, std::int32_t* offsets);
@@ -163,11 +165,6 @@ struct PatchKernels {
   // masks[l] &= lanes whose four taps, those beyond the edge not counted, are all in the mask.
   void (*taps_inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
                       const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
-
-  // Compounds a row of a painted layer (0 where has_data, 255 or 0, is 0) into `extreme` and, if given,
-  // `sum`.
-  void (*stack)(const std::uint8_t* layer, const std::uint8_t* has_data, int width, bool minimum,
-                std::uint8_t* extreme, std::uint32_t* sum, std::uint16_t* covered);
 };
 
 const PatchKernels& patch_kernels();

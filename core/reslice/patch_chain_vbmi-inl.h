@@ -99,12 +99,12 @@ HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, c
 }
 
 template <Rule rule>
-HWY_ATTR void take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                             const PatchSite& site, PatchSums& sums) {
   Gathered<rule> gathered(sums);
   Condition conditions[2];
   const ChainBoundary* settled = nullptr;  // what conditions[0] is of
-  walk_chain(boundaries, count, site,
+  const int start = walk_chain(boundaries, count, site,
              [&](int cell, const ChainBoundary* begin, const ChainBoundary* end, const LayerRange& range)
                  HWY_ATTR {
                    Condition& from = conditions[0];
@@ -138,6 +138,7 @@ HWY_ATTR void take_chain_by(const ChainFrame* frames, const ChainBoundary* bound
                    settled = end;
                  });
   gathered.store();
+  return start;
 }
 
 }  // namespace HWY_NAMESPACE

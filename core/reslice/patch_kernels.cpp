@@ -173,11 +173,11 @@ HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, c
 }
 
 template <Rule rule>
-HWY_ATTR void take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                             const PatchSite& site, PatchSums& sums) {
   LaneMask masks[patch_layers];
   LayerThresholds scratch;
-  walk_chain(boundaries, count, site,
+  return walk_chain(boundaries, count, site,
              [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range)
                  HWY_ATTR {
                    std::fill(masks, masks + (range.high - range.low), site.lanes);
@@ -219,7 +219,7 @@ HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, cons
   }
 }
 
-HWY_ATTR void take_chain(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+HWY_ATTR int take_chain(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                          const PatchSite& site, Rule rule, PatchSums& sums) {
   switch (rule) {
     case Rule::maximum:
@@ -229,8 +229,9 @@ HWY_ATTR void take_chain(const ChainFrame* frames, const ChainBoundary* boundari
     case Rule::mean_grey:
       return take_chain_by<Rule::mean_grey>(frames, boundaries, count, site, sums);
     case Rule::mean_doppler:
-      return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
+      break;
   }
+  return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
 }
 
 HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
@@ -296,32 +297,10 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
   taps_inside_single(f, mask, mask_stride, x, y, layers, masks);
 }
 
-HWY_ATTR void stack(const std::uint8_t* layer, const std::uint8_t* has_data, int width, bool minimum,
-                    std::uint8_t* extreme, std::uint32_t* sum, std::uint16_t* covered) {
-  const hn::ScalableTag<std::uint8_t> d;
-  const auto step = static_cast<int>(hn::Lanes(d));
-  int x = 0;
-  for (; x + step <= width; x += step) {
-    const auto v = hn::LoadU(d, layer + x), old = hn::LoadU(d, extreme + x);
-    // No data is 0 for a maximum and must be 255 for a minimum.
-    const auto best =
-        minimum ? hn::Min(old, hn::Or(v, hn::Not(hn::LoadU(d, has_data + x)))) : hn::Max(old, v);
-    hn::StoreU(best, d, extreme + x);
-  }
-  for (; x < width; ++x) {
-    const auto missing = static_cast<std::uint8_t>(~has_data[x]);
-    extreme[x] = minimum ? std::min(extreme[x], static_cast<std::uint8_t>(layer[x] | missing))
-                         : std::max(extreme[x], layer[x]);
-  }
-  for (int i = 0; i < width; ++i) covered[i] = static_cast<std::uint16_t>(covered[i] + (has_data[i] & 1));
-  if (sum == nullptr) return;
-  for (int i = 0; i < width; ++i) sum[i] += layer[i];
-}
-
 HWY_ATTR const PatchKernels& kernels_of_target() {
   static constexpr PatchKernels kernels{lay_lanes, thresholds,  take_chain, lane_positions, split_positions,
                                         hold,      half_space,  inside,     take,           blend,
-                                        taps_inside, stack};
+                                        taps_inside};
   return kernels;
 }
 

@@ -60,9 +60,19 @@ class PatchTotals {
     }
     const int width = std::min(shape.across, image.pixels.width() - x);
     const int height = std::min(shape.down(), image.pixels.height() - y);
-    for (int row = 0; row < height; ++row) {
-      std::copy_n(values.data() + row * shape.across, width, image.pixels.view().row(y + row) + x);
-      std::copy_n(counts.data() + row * shape.across, width, image.coverage.view().row(y + row) + x);
+    const auto put = [&](auto columns) {
+      for (int row = 0; row < height; ++row) {
+        std::copy_n(values.data() + row * shape.across, columns(), image.pixels.view().row(y + row) + x);
+        std::copy_n(counts.data() + row * shape.across, columns(), image.coverage.view().row(y + row) + x);
+      }
+    };
+    // Rows of a known length are stored without a call.
+    if (width == 8) {
+      put([] { return 8; });
+    } else if (width == 16) {
+      put([] { return 16; });
+    } else {
+      put([&] { return width; });
     }
   }
 
