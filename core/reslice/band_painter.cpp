@@ -80,8 +80,8 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
                    l));
     }
   }
-  cells.boundaries.push_back(
-      chain.last_ends ? boundary(lattice, plus(z(members - 1), -reach(members - 1)), l) : never);
+  cells.boundaries.push_back(chain.last_ends ? boundary(lattice, plus(z(members - 1), -reach(members - 1)), l)
+                                             : never);
 }
 
 int BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
@@ -91,20 +91,21 @@ int BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
                                       totals_.piece());
   }
   std::array<LaneMask, patch_layers> masks;
-  return walk_chain(cells.boundaries.data(), count, site,
-             [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range) {
-               std::fill_n(masks.begin(), range.high - range.low, site.lanes);
-               LayerThresholds thresholds;
-               if (from != nullptr) {
-                 patch_kernels().thresholds(*from, site, thresholds);
-                 patch_kernels().hold(thresholds, true, range.low, range.high, masks.data());
-               }
-               if (to != nullptr) {
-                 patch_kernels().thresholds(*to, site, thresholds);
-                 patch_kernels().hold(thresholds, false, range.low, range.high, masks.data());
-               }
-               blend_cell(cells, cell, site, range, masks.data());
-             });
+  return walk_chain(
+      cells.boundaries.data(), count, site,
+      [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range) {
+        std::fill_n(masks.begin(), range.high - range.low, site.lanes);
+        LayerThresholds thresholds;
+        if (from != nullptr) {
+          patch_kernels().thresholds(*from, site, thresholds);
+          patch_kernels().hold(thresholds, true, range.low, range.high, masks.data());
+        }
+        if (to != nullptr) {
+          patch_kernels().thresholds(*to, site, thresholds);
+          patch_kernels().hold(thresholds, false, range.low, range.high, masks.data());
+        }
+        blend_cell(cells, cell, site, range, masks.data());
+      });
 }
 
 // masks from range.low on.

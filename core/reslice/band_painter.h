@@ -24,8 +24,8 @@ class BandPainter {
         image_(image),
         totals_(rule_) {}
 
-  // The tiles of samples [a, a + width) from row b on. `frames` are those that may matter, ascending. A tile's
-  // pixels are asked for while the one before is painted.
+  // The tiles of samples [a, a + width) from row b on. `frames` are those that may matter, ascending. A
+  // tile's pixels are asked for while the one before is painted.
   void paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b, int width);
 
   // Rows [first, last) of any bundle, samples [a, a + 64).

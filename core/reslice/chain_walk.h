@@ -55,7 +55,8 @@ template <class Visit>
 inline int walk_chain(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
   // Where a boundary holds everywhere, so do those before it.
   int start = std::min(site.start, count - 1);
-  while (start > 0 && !BoundaryReach(boundaries[start], site).everywhere(boundaries[start], site.depth)) --start;
+  while (start > 0 && !BoundaryReach(boundaries[start], site).everywhere(boundaries[start], site.depth))
+    --start;
   const ChainBoundary* from = boundaries + start;
   BoundaryReach from_reach(*from, site);
   for (int cell = start; cell < count; ++cell) {

@@ -38,10 +38,23 @@ HWY_ATTR void fold(const std::uint8_t* const* rows, int count, bool minimum, int
 
 HWY_ATTR void mark(const std::uint16_t* covered, std::uint8_t missing, int width, std::uint8_t* has_data,
                    std::uint8_t* values) {
-  for (int x = 0; x < width; ++x) {
-    const auto has = static_cast<std::uint8_t>(covered[x] != 0 ? 255 : 0);
-    has_data[x] = has;
-    values[x] = static_cast<std::uint8_t>((values[x] & has) | (missing & ~has));
+  const Words d;
+  const hn::Rebind<std::uint8_t, Words> bytes;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const auto absent = hn::Set(bytes, missing);
+  const auto all = hn::Set(d, 255);
+  int x = 0;
+  for (; x + step <= width; x += step) {
+    // Coverage of one layer is 0 or 1.
+    const auto has = hn::DemoteTo(
+        bytes, hn::BitCast(hn::RebindToSigned<Words>(), hn::Mul(hn::LoadU(d, covered + x), all)));
+    hn::StoreU(has, bytes, has_data + x);
+    const auto v = hn::LoadU(bytes, values + x);
+    hn::StoreU(hn::Or(hn::And(v, has), hn::AndNot(has, absent)), bytes, values + x);
+  }
+  for (; x < width; ++x) {
+    has_data[x] = static_cast<std::uint8_t>(covered[x] * 255);
+    values[x] = static_cast<std::uint8_t>((values[x] & has_data[x]) | (missing & ~has_data[x]));
   }
 }
 
@@ -63,19 +76,28 @@ HWY_ATTR void count(const LayerRow& layer, bool add, int width, std::uint16_t* c
   const hn::Rebind<std::uint8_t, decltype(d32)> quarter;
   const int few = static_cast<int>(hn::Lanes(d32));
   for (x = 0; x + few <= width; x += few) {
-    const auto kept =
-        hn::And(hn::LoadU(quarter, layer.values + x), hn::LoadU(quarter, layer.has_data + x));
+    const auto kept = hn::And(hn::LoadU(quarter, layer.values + x), hn::LoadU(quarter, layer.has_data + x));
     const auto v = hn::PromoteTo(d32, kept), old = hn::LoadU(d32, sums + x);
     hn::StoreU(add ? hn::Add(old, v) : hn::Sub(old, v), d32, sums + x);
   }
   for (; x < width; ++x)
-    sums[x] = static_cast<std::uint32_t>(static_cast<int>(sums[x]) +
-                                         sign * (layer.values[x] & layer.has_data[x]));
+    sums[x] =
+        static_cast<std::uint32_t>(static_cast<int>(sums[x]) + sign * (layer.values[x] & layer.has_data[x]));
 }
 
 HWY_ATTR void blank(const std::uint16_t* counts, int width, std::uint8_t* values) {
-  for (int x = 0; x < width; ++x)
-    values[x] = static_cast<std::uint8_t>(counts[x] != 0 ? values[x] : 0);
+  const Words d;
+  const hn::Rebind<std::uint8_t, Words> bytes;
+  const int step = static_cast<int>(hn::Lanes(d));
+  int x = 0;
+  for (; x + step <= width; x += step) {
+    const auto some = hn::Min(hn::LoadU(d, counts + x), hn::Set(d, 1));
+    const auto keep =
+        hn::DemoteTo(bytes, hn::BitCast(hn::RebindToSigned<Words>(), hn::Mul(some, hn::Set(d, 255))));
+    hn::StoreU(hn::And(hn::LoadU(bytes, values + x), keep), bytes, values + x);
+  }
+  for (; x < width; ++x)
+    if (counts[x] == 0) values[x] = 0;
 }
 
 // (2 sum + count) / (2 count) cut off. A float holds both exactly, and the quotient is off a whole number by
@@ -89,7 +111,8 @@ HWY_ATTR void mean(const std::uint32_t* sums, const std::uint16_t* counts, int w
   int x = 0;
   for (; x + step <= width; x += step) {
     const auto n = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, counts + x)));
-    const auto s = hn::ConvertTo(d, hn::BitCast(d32, hn::LoadU(hn::Rebind<std::uint32_t, decltype(d)>(), sums + x)));
+    const auto s =
+        hn::ConvertTo(d, hn::BitCast(d32, hn::LoadU(hn::Rebind<std::uint32_t, decltype(d)>(), sums + x)));
     const auto twice = hn::Add(n, n);
     const auto quotient = hn::Div(hn::Add(hn::Add(s, s), n), hn::Max(twice, hn::Set(d, 1.0F)));
     hn::StoreU(hn::DemoteTo(d8, hn::ConvertTo(d32, quotient)), d8, out + x);

@@ -12,10 +12,11 @@ struct LayerRow {
 };
 
 struct LayerKernels {
-  // out[x] = the greatest, or least, of rows[0][x] .. rows[count - 1][x]; count > 0. `out` may be one of them.
+  // out[x] = the greatest, or least, of rows[0][x] .. rows[count - 1][x]; count > 0. `out` may be one of
+  // them.
   void (*fold)(const std::uint8_t* const* rows, int count, bool minimum, int width, std::uint8_t* out);
 
-  // 255 where covered[x] is not 0, else 0; and values[x] = missing there.
+  // Of one layer's coverage, 0 or 1: has_data[x] is 255 or 0, and values[x] = missing where it is 0.
   void (*mark)(const std::uint16_t* covered, std::uint8_t missing, int width, std::uint8_t* has_data,
                std::uint8_t* values);
 

@@ -98,7 +98,8 @@ struct alignas(64) ChainBoundary {
 // A frame as a chain's cells take it: the position of lane 0 is affine over a tile.
 struct ChainFrame {
   const PatchFrame* frame = nullptr;
-  FixedPx x = 0, x_per_sample = 0, x_per_row = 0, x_per_layer = 0;  // at the tile's corner, layer 0 of the piece
+  FixedPx x = 0, x_per_sample = 0, x_per_row = 0,
+          x_per_layer = 0;  // at the tile's corner, layer 0 of the piece
   FixedPx y = 0, y_per_sample = 0, y_per_row = 0, y_per_layer = 0;
 
   FixedPx x_at(const PatchSite& p, int l) const {

@@ -49,9 +49,10 @@ HWY_ATTR HWY_INLINE __m512i threshold_layers(const ChainBoundary& b, float at) {
   };
   if (b.rising) {
     constexpr int up = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
-    return _mm512_packus_epi16(
-        _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(0), up), _mm512_cvt_roundps_epi32(crossing(1), up)),
-        _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(2), up), _mm512_cvt_roundps_epi32(crossing(3), up)));
+    return _mm512_packus_epi16(_mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(0), up),
+                                                  _mm512_cvt_roundps_epi32(crossing(1), up)),
+                               _mm512_packs_epi32(_mm512_cvt_roundps_epi32(crossing(2), up),
+                                                  _mm512_cvt_roundps_epi32(crossing(3), up)));
   }
   constexpr int down = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
   const __m512i one = _mm512_set1_epi16(1);
@@ -100,43 +101,43 @@ HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, c
 
 template <Rule rule>
 HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                            const PatchSite& site, PatchSums& sums) {
+                           const PatchSite& site, PatchSums& sums) {
   Gathered<rule> gathered(sums);
   Condition conditions[2];
   const ChainBoundary* settled = nullptr;  // what conditions[0] is of
-  const int start = walk_chain(boundaries, count, site,
-             [&](int cell, const ChainBoundary* begin, const ChainBoundary* end, const LayerRange& range)
-                 HWY_ATTR {
-                   Condition& from = conditions[0];
-                   Condition& to = conditions[1];
-                   if (begin == nullptr) {
-                     from.always();
-                   } else if (begin != settled) {
-                     from.settle(*begin, site);
-                   }
-                   if (end == nullptr) {
-                     to.never();
-                   } else {
-                     to.settle(*end, site);
-                   }
-                   const ChainFrame& f = frames[cell];
-                   if (f.frame->fetch == Fetch::window) {
-                     take_cell<rule, WindowFetch>(f, site, from, to, range, gathered);
-                   } else if (f.frame->fetch == Fetch::rows) {
-                     take_cell<rule, RowsFetch>(f, site, from, to, range, gathered);
-                   } else {
-                     gathered.store();
-                     for (int l = range.low; l < range.high; ++l) {
-                       const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
-                       const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
-                       const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-                       take_single<rule>(*f.frame, &x, &y, &m, 1, sums);
-                     }
-                     gathered = Gathered<rule>(sums);
-                   }
-                   from = to;
-                   settled = end;
-                 });
+  const int start = walk_chain(
+      boundaries, count, site,
+      [&](int cell, const ChainBoundary* begin, const ChainBoundary* end, const LayerRange& range) HWY_ATTR {
+        Condition& from = conditions[0];
+        Condition& to = conditions[1];
+        if (begin == nullptr) {
+          from.always();
+        } else if (begin != settled) {
+          from.settle(*begin, site);
+        }
+        if (end == nullptr) {
+          to.never();
+        } else {
+          to.settle(*end, site);
+        }
+        const ChainFrame& f = frames[cell];
+        if (f.frame->fetch == Fetch::window) {
+          take_cell<rule, WindowFetch>(f, site, from, to, range, gathered);
+        } else if (f.frame->fetch == Fetch::rows) {
+          take_cell<rule, RowsFetch>(f, site, from, to, range, gathered);
+        } else {
+          gathered.store();
+          for (int l = range.low; l < range.high; ++l) {
+            const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+            const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
+            const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+            take_single<rule>(*f.frame, &x, &y, &m, 1, sums);
+          }
+          gathered = Gathered<rule>(sums);
+        }
+        from = to;
+        settled = end;
+      });
   gathered.store();
   return start;
 }

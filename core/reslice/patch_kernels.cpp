@@ -27,12 +27,10 @@ HWY_ATTR void lane_positions(const LaneGrid& grid, FixedPx per_sample, FixedPx p
                              std::int32_t* offsets) {
   const Floats d;
   const Ints ints;
-  const auto high = [&](FixedPx step) HWY_ATTR {
-    return hn::Set(ints, static_cast<std::int32_t>(step >> 16));
-  };
-  const auto low = [&](FixedPx step) HWY_ATTR {
-    return hn::Set(ints, static_cast<std::int32_t>(step & 0xffff));
-  };
+  const auto high = [&](FixedPx step)
+                        HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(step >> 16)); };
+  const auto low = [&](FixedPx step)
+                       HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(step & 0xffff)); };
   const auto high_a = high(per_sample), low_a = low(per_sample), high_b = high(per_row), low_b = low(per_row);
   for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
     const auto a = hn::ConvertTo(ints, hn::Load(d, grid.a.data() + k));
@@ -174,27 +172,27 @@ HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, c
 
 template <Rule rule>
 HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                            const PatchSite& site, PatchSums& sums) {
+                           const PatchSite& site, PatchSums& sums) {
   LaneMask masks[patch_layers];
   LayerThresholds scratch;
   return walk_chain(boundaries, count, site,
-             [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range)
-                 HWY_ATTR {
-                   std::fill(masks, masks + (range.high - range.low), site.lanes);
-                   if (from != nullptr) {
-                     thresholds(*from, site, scratch);
-                     hold(scratch, true, range.low, range.high, masks);
-                   }
-                   if (to != nullptr) {
-                     thresholds(*to, site, scratch);
-                     hold(scratch, false, range.low, range.high, masks);
-                   }
-                   const ChainFrame& f = frames[cell];
-                   for (int l = range.low; l < range.high; ++l) {
-                     const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-                     take_single<rule>(*f.frame, &x, &y, masks + (l - range.low), 1, sums);
-                   }
-                 });
+                    [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range)
+                        HWY_ATTR {
+                          std::fill(masks, masks + (range.high - range.low), site.lanes);
+                          if (from != nullptr) {
+                            thresholds(*from, site, scratch);
+                            hold(scratch, true, range.low, range.high, masks);
+                          }
+                          if (to != nullptr) {
+                            thresholds(*to, site, scratch);
+                            hold(scratch, false, range.low, range.high, masks);
+                          }
+                          const ChainFrame& f = frames[cell];
+                          for (int l = range.low; l < range.high; ++l) {
+                            const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+                            take_single<rule>(*f.frame, &x, &y, masks + (l - range.low), 1, sums);
+                          }
+                        });
 }
 
 template <Rule rule>
@@ -220,7 +218,7 @@ HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, cons
 }
 
 HWY_ATTR int take_chain(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                         const PatchSite& site, Rule rule, PatchSums& sums) {
+                        const PatchSite& site, Rule rule, PatchSums& sums) {
   switch (rule) {
     case Rule::maximum:
       return take_chain_by<Rule::maximum>(frames, boundaries, count, site, sums);
@@ -298,8 +296,8 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{lay_lanes, thresholds,  take_chain, lane_positions, split_positions,
-                                        hold,      half_space,  inside,     take,           blend,
+  static constexpr PatchKernels kernels{lay_lanes,  thresholds, take_chain, lane_positions, split_positions,
+                                        hold,       half_space, inside,     take,           blend,
                                         taps_inside};
   return kernels;
 }

@@ -1,5 +1,5 @@
-// A band that is dragged along its normal or made thicker and thinner: layers once painted are kept, so that a
-// step costs the layers that are new and a few passes over the picture.
+// A band that is dragged along its normal or made thicker and thinner: layers once painted are kept, so that
+// a step costs the layers that are new and a few passes over the picture.
 //
 // Maxima (or minima) are kept of every run of 2, 4, 8 ... layers that begins at a multiple of its length, as
 // far as they were needed; any band is at most 2 log2 N such runs. How many layers have data, and the sums of
@@ -15,9 +15,9 @@ namespace sonoband {
 
 // While the plane moves by whole steps along its normal (a step's 1/1000 is allowed for rounding) or the
 // thickness changes, the picture is, to the last bit, that of its layers each painted by render_planar as a
-// thin plane, however the band got there; so it is render_planar's of the band but for ties. The first picture
-// of a plane, and one whose compounding alone differs, is render_planar's itself: layers are painted when the
-// band first moves (a drag's first step costs all of them, some ten times a later one).
+// thin plane, however the band got there; so it is render_planar's of the band but for ties. The first
+// picture of a plane, and one whose compounding alone differs, is render_planar's itself: layers are painted
+// when the band first moves (a drag's first step costs all of them, some ten times a later one).
 //
 // Memory: up to 4 bytes per pixel and layer kept, of at most 1.5 N + 16 layers, and 6 per pixel: 14 mm of
 // 640x480 hold 130 MB at most, 60 MB at first.

@@ -20,7 +20,7 @@ struct Tile {
   LatticeBlock block;
   SampleBox box;
   LaneShape shape;
-  LaneGrid grid{};  // of shape
+  LaneGrid grid{};                    // of shape
   std::vector<Candidate> candidates;  // ascending by frame
   std::vector<TileFrame> frames;      // theirs; may be longer
 

@@ -1,6 +1,8 @@
 // Renderings that build on earlier ones or on a growing sweep give the bits of a fresh one.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "core/reslice/prepared_sweep.h"
 #include "core/reslice/rolling_band.h"
 #include "tests/core/reslice/compare.h"
@@ -82,6 +84,109 @@ TEST(RollingBand, DragAndThicknessGiveTheFreshBandButForTies) {
       EXPECT_LE(rolling.layers_painted(), 9 + 5);
     }
   }
+}
+
+// Layer i of a plane, painted by itself.
+BandImage thin_layer(PreparedSweep& sweep, ReslicePlane plane, RenderSettings settings, int i) {
+  Serial serial;
+  plane.origin = plane.origin + (i * settings.band.step_mm) * plane.normal();
+  settings.band.thickness_mm = 0;
+  return render_planar(sweep, plane, settings, serial);
+}
+
+// The definition of a rolling band: pixel by pixel over layers painted one at a time.
+BandImage stacked(PreparedSweep& sweep, const ReslicePlane& anchor, const RenderSettings& settings,
+                  int middle) {
+  const int side = (settings.band.layers() - 1) / 2;
+  BandImage out{Pixels(anchor.width, anchor.height), ImageBuffer<std::uint16_t>(anchor.width, anchor.height),
+                PixelKind::grey};
+  ImageBuffer<std::uint32_t> sums(anchor.width, anchor.height);
+  for (int i = middle - side; i <= middle + side; ++i) {
+    const BandImage layer = thin_layer(sweep, anchor, settings, i);
+    for (int y = 0; y < anchor.height; ++y) {
+      for (int x = 0; x < anchor.width; ++x) {
+        if (layer.coverage.view()(x, y) == 0) continue;
+        const std::uint8_t v = layer.pixels.view()(x, y);
+        std::uint8_t& best = out.pixels.view()(x, y);
+        const bool first = out.coverage.view()(x, y)++ == 0;
+        sums.view()(x, y) += v;
+        best = first                                          ? v
+               : settings.compounding == Compounding::minimum ? std::min(best, v)
+                                                              : std::max(best, v);
+      }
+    }
+  }
+  if (settings.compounding != Compounding::mean) return out;
+  for (int y = 0; y < anchor.height; ++y) {
+    for (int x = 0; x < anchor.width; ++x) {
+      const std::uint32_t n = out.coverage.view()(x, y);
+      if (n > 0) out.pixels.view()(x, y) = static_cast<std::uint8_t>((2 * sums.view()(x, y) + n) / (2 * n));
+    }
+  }
+  return out;
+}
+
+TEST(RollingBand, AnyRunOfDragsAndThicknessesGivesTheBitsOfItsLayers) {
+  for (unsigned seed = 3300; seed < 3312; ++seed) {
+    test::RandomScene scene = test::random_scene(seed);
+    Serial serial;
+    PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
+    const bool doppler = sweep.view().frames.front()->bscan.kind == PixelKind::doppler;
+    RollingBand rolling;
+    const ReslicePlane anchor = scene.plane;
+    scene.settings.interpolation = seed % 3 == 0 ? Interpolation::linear : Interpolation::nearest;
+    const double step = scene.settings.band.step_mm;
+    std::mt19937 random(seed);
+    const auto pick = [&](int least, int most) {
+      return least + static_cast<int>(random() % (most - least + 1));
+    };
+    scene.settings.band.thickness_mm = 6 * step;
+    scene.settings.compounding = Compounding::maximum;
+    rolling.render(sweep, anchor, scene.settings, serial);
+    int middle = 0;
+    for (int i = 0; i < 24; ++i) {
+      middle += i == 0 ? 1 : pick(-3, 3);
+      scene.settings.band.thickness_mm = 2 * pick(1, 6) * step;
+      scene.settings.compounding = static_cast<Compounding>(pick(0, doppler ? 1 : 2));
+      ReslicePlane plane = anchor;
+      plane.origin = plane.origin + (middle * step) * plane.normal();
+      const BandImage image = rolling.render(sweep, plane, scene.settings, serial);
+      if (rolling.layers_painted() == 0) {  // so long a jump that it is a new picture
+        EXPECT_TRUE(test::same_bits(image, render_planar(sweep, plane, scene.settings, serial)));
+        break;
+      }
+      ASSERT_TRUE(test::same_bits(image, stacked(sweep, anchor, scene.settings, middle)))
+          << "seed " << seed << ", step " << i;
+      const int layers = scene.settings.band.layers();
+      const std::size_t pixels = static_cast<std::size_t>(plane.width) * plane.height;
+      EXPECT_LE(rolling.bytes(), pixels * (4 * (layers + layers / 2 + 16) + 6));
+    }
+  }
+}
+
+TEST(RollingBand, AStepPaintsOneLayerAndOnlyAMoveStartsLayers) {
+  test::RandomScene scene = test::random_scene(3301);
+  Serial serial;
+  PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
+  scene.settings.compounding = Compounding::maximum;
+  scene.settings.band.thickness_mm = 10 * scene.settings.band.step_mm;
+  RollingBand rolling;
+  const auto render = [&] { return rolling.render(sweep, scene.plane, scene.settings, serial); };
+  render();
+  scene.settings.compounding = Compounding::minimum;
+  EXPECT_TRUE(test::same_bits(render(), render_planar(sweep, scene.plane, scene.settings, serial)));
+  EXPECT_EQ(rolling.layers_painted(), 0);
+  const auto drag = [&](int steps) {
+    scene.plane.origin = scene.plane.origin + (steps * scene.settings.band.step_mm) * scene.plane.normal();
+    render();
+    return rolling.layers_painted();
+  };
+  EXPECT_EQ(drag(1), 11);
+  EXPECT_EQ(drag(1), 12);
+  EXPECT_EQ(drag(-1), 12);
+  EXPECT_EQ(drag(-2), 14);
+  scene.settings.band.thickness_mm = 6 * scene.settings.band.step_mm;
+  EXPECT_EQ(drag(0), 14);
 }
 
 TEST(RollingBand, TurnedPlaneAndGrownSweepArePaintedAnew) {
