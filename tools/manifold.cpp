@@ -114,6 +114,7 @@ void add_manifold(CLI::App& tool) {
   CLI::App* verb = tool.add_subcommand(
       "manifold", "Paint and unroll a curved surface, thin or thick, that stands on a curve in a plane");
   const auto sweep = add_sweep_options(*verb);
+  add_colour_option(*verb, sweep);
   const auto plane = add_plane_options(*verb);
   const auto render_options = add_render_options(*verb);
   add_band_options(*verb, render_options);

@@ -55,6 +55,7 @@ Json picture_json(const SweepOptions& options, const exchange::SequenceSweep& sw
                   double milliseconds) {
   Json json{{"sequence", options.sequence.string()}, {"plane", plane_json(plane, sweep.world)}};
   json.update(settings_json(settings));
+  json["pixels"] = sweep.kind == PixelKind::doppler ? "doppler" : "grey";
   json["frames"] = frames_json(sweep);
   json["coverage"] = covered(image);
   json["milliseconds"] = milliseconds;

@@ -52,6 +52,7 @@ void add_render(CLI::App& tool) {
   CLI::App* verb =
       tool.add_subcommand("render", "Paint a slice, thin or thick, straight from the B-scans of a recording");
   const auto sweep = add_sweep_options(*verb);
+  add_colour_option(*verb, sweep);
   const auto plane = add_plane_options(*verb);
   const auto render_options = add_render_options(*verb);
   add_band_options(*verb, render_options);

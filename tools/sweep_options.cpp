@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "app/exchange/sequence_file.h"
 #include "app/exchange/text.h"
@@ -17,6 +18,7 @@ exchange::SweepRequest request_of(const SweepOptions& o) {
   exchange::SweepRequest request;
   request.world = o.world;
   request.mask = o.mask != "none";
+  request.colour = o.colour;
   if (!o.frames.empty()) {
     const std::size_t dash = o.frames.find('-');
     const auto first = exchange::parse_integer(o.frames.substr(0, dash));
@@ -56,6 +58,16 @@ std::shared_ptr<SweepOptions> add_sweep_options(CLI::App& verb) {
   verb.add_option("--mask", o->mask, "none: every pixel counts, whatever clip and fan say")
       ->check(CLI::IsMember({"auto", "none"}));
   return o;
+}
+
+void add_colour_option(CLI::App& verb, const std::shared_ptr<SweepOptions>& options) {
+  using exchange::ColourUse;
+  options->colour = ColourUse::automatic;
+  const std::map<std::string, ColourUse> names{
+      {"auto", ColourUse::automatic}, {"doppler", ColourUse::doppler}, {"grey", ColourUse::grey}};
+  verb.add_option("--colour", options->colour,
+                  "An RGB recording's colours: doppler, grey, or auto (Doppler where it shows flow)")
+      ->transform(CLI::CheckedTransformer(names, CLI::ignore_case).description("auto|doppler|grey"));
 }
 
 void check_sweep_options(const SweepOptions& options) {

@@ -19,9 +19,13 @@ struct SweepOptions {
   std::string frames;  // A-B
   std::string clip;    // X,Y,W,H
   std::string mask = "auto";
+  exchange::ColourUse colour = exchange::ColourUse::grey;
 };
 
 std::shared_ptr<SweepOptions> add_sweep_options(CLI::App& verb);
+
+// --colour, for verbs whose output can show it; without this option colour is rendered as grey.
+void add_colour_option(CLI::App& verb, const std::shared_ptr<SweepOptions>& options);
 
 // Wrong usage that can be seen before anything is read.
 void check_sweep_options(const SweepOptions& options);

@@ -4,7 +4,6 @@
 #include <png.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
@@ -12,7 +11,7 @@
 
 #include "app/bad_input.h"
 #include "app/exchange/sequence_file.h"
-#include "core/image/doppler.h"
+#include "core/image/colour_bar.h"
 
 namespace sonoband::exchange {
 
@@ -92,20 +91,12 @@ PngPicture band_png(const BandImage& image) {
                      .channels = 3,
                      .bytes = {},
                      .texts = {}};
+  const doppler::ColourBar bar = doppler::red_blue_bar();
   picture.bytes.reserve(static_cast<std::size_t>(picture.width) * picture.height * 3);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const std::uint8_t key = image.pixels.view()(x, y);
-      std::array<int, 3> rgb{2 * key, 2 * key, 2 * key};
-      if (doppler::is_colour(key)) {
-        const int velocity = doppler::velocity(key);
-        const bool red = (key & 1) != 0;
-        const int level = std::abs(velocity);  // 0 to 63
-        const int strong = 96 + level * 159 / 63;
-        const int pale = level * level * 255 / (63 * 63);
-        rgb = red ? std::array<int, 3>{strong, pale, 0} : std::array<int, 3>{0, pale, strong};
-      }
-      for (const int value : rgb) picture.bytes.push_back(static_cast<std::uint8_t>(value));
+      const doppler::Rgb c = doppler::to_rgb(image.pixels.view()(x, y), bar);
+      picture.bytes.insert(picture.bytes.end(), {c.r, c.g, c.b});
     }
   return picture;
 }

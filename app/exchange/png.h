@@ -24,8 +24,7 @@ struct PngPicture {
 
 PngPicture grey_png(ConstPixels pixels);
 
-// A result as people see it: grey as it is; Doppler keys in colour, dark to bright red-yellow towards and
-// blue-cyan away (Stradx's colours), grey at twice its seven bits.
+// A result as people see it: grey as it is; Doppler keys in the colours of red_blue_bar.
 PngPicture band_png(const BandImage& image);
 
 // 0 where no layer had data, else round(255 count / layers), at least 1.

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "app/bad_input.h"
+#include "app/exchange/doppler_pixels.h"
 #include "app/exchange/grey_pixels.h"
+#include "core/image/overlay.h"
 
 namespace sonoband::exchange {
 
@@ -77,6 +79,40 @@ std::vector<std::string> reachable(const TransformGraph& graph) {
                              file, world, listed(ways)));
 }
 
+// Whether a corner of the picture went far enough that speckle changed everywhere: 2 mm, several resolution
+// cells in elevation.
+bool probe_moved(const std::vector<TrackedFrame>& frames, int width, int height) {
+  constexpr double enough_mm = 2;
+  for (const double x : {0, width - 1})
+    for (const double y : {0, height - 1}) {
+      const auto corner = [&](const TrackedFrame& f) {
+        return (f.world_from_image * Point<frame::Image>{{x, y, 0}}).v;
+      };
+      for (const TrackedFrame& f : frames)
+        if ((corner(f) - corner(frames.front())).norm() >= enough_mm) return true;
+    }
+  return false;
+}
+
+// The sequence's pixels to one byte each, and the sweep's kind and mask.
+void make_bytes(SequenceSweep& sweep, const PlusConfig& config, const SweepRequest& request,
+                const std::string& file) {
+  TrackedSequence& s = sweep.sequence;
+  if (request.mask) sweep.mask = sector_mask(s.width, s.height, config.clip, request.clip, config.fan, file);
+  const bool rgb = s.components == 3 && s.element_type == ElementType::uint8;
+  if (rgb && request.colour != ColourUse::grey) {
+    const doppler::ColourClassifier classifier(doppler::red_blue_bar(), {});
+    if (request.colour == ColourUse::doppler || shows_flow(s, sweep.mask.view(), classifier)) {
+      Pixels ultrasound =
+          make_doppler(s, sweep.mask.view(), classifier, probe_moved(sweep.frames, s.width, s.height));
+      if (request.mask) sweep.mask = std::move(ultrasound);
+      sweep.kind = PixelKind::doppler;
+      return;
+    }
+  }
+  make_grey(s, file, sweep.warnings);
+}
+
 }  // namespace
 
 TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConfig* config,
@@ -136,7 +172,6 @@ SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config,
         fmt::format("{}: there is no transform beside any of its pictures; name a tracked recording.", file));
   if (sweep.world.empty()) refuse_unreachable(example, sweep.world, file);
 
-  make_grey(s, file, sweep.warnings);
   const std::vector<double> stamps = ordering_stamps(s, file, sweep.warnings);
   sweep.frames.reserve(static_cast<std::size_t>(last - first) + 1);
   int unreachable = 0;
@@ -166,7 +201,6 @@ SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config,
     });
     if (sweep.links.empty()) sweep.links = found->links;
     TrackedFrame frame;
-    frame.bscan.pixels = {s.frame_pixels(i).data(), s.width, s.height, s.width};
     frame.sequence = i;
     if (!stamps.empty()) frame.captured = Stamp(from_seconds(stamps[i]));
     set_pose(frame, {found->to_from_from.topLeftCorner<3, 3>(), found->to_from_from.topRightCorner<3, 1>()});
@@ -184,8 +218,13 @@ SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config,
   if (no_status > 0)
     sweep.warnings.push_back(
         fmt::format("{}: {} frames have a transform without a status; it is taken as OK.", file, no_status));
-  for (const TrackedFrame& frame : sweep.frames) sweep.frame_pointers.push_back(&frame);
-  if (request.mask) sweep.mask = sector_mask(s.width, s.height, config.clip, request.clip, config.fan, file);
+  make_bytes(sweep, config, request, file);
+  for (TrackedFrame& frame : sweep.frames) {
+    frame.bscan.pixels = {s.frame_pixels(static_cast<int>(frame.sequence)).data(), s.width, s.height,
+                          s.width};
+    frame.bscan.kind = sweep.kind;
+    sweep.frame_pointers.push_back(&frame);
+  }
   return sweep;
 }
 

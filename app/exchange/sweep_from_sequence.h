@@ -13,11 +13,19 @@
 
 namespace sonoband::exchange {
 
+// What the colours of an RGB recording are taken for.
+enum class ColourUse : std::uint8_t {
+  automatic,  // Doppler if the recording shows flow (shows_flow), else grey
+  doppler,
+  grey,  // luma
+};
+
 struct SweepRequest {
   std::string world;                          // empty: default_world
   std::optional<std::pair<int, int>> frames;  // first and last, both included, from 0
   std::optional<ClipRectangle> clip;          // besides the configuration's
-  bool mask = true;                           // false: neither the configuration's clip and fan nor `clip`
+  bool mask = true;  // false: neither the configuration's clip and fan nor `clip` nor the scanner's drawings
+  ColourUse colour = ColourUse::automatic;
 };
 
 struct LeftOut {
@@ -27,7 +35,8 @@ struct LeftOut {
 
 // Owns what its view() borrows; may be moved, the view may not outlive it.
 struct SequenceSweep {
-  TrackedSequence sequence;  // its pixels are one grey byte each now
+  TrackedSequence sequence;  // its pixels are one byte each now, of the kind below
+  PixelKind kind = PixelKind::grey;
   std::string world;
   std::vector<std::string> links;    // the way from Image to world, for people
   std::vector<TrackedFrame> frames;  // those that can be rendered, in the order of the file
@@ -47,8 +56,8 @@ TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConf
 // Configurations do not count: they may know of frames that were not tracked in this recording.
 std::string default_world(const TrackedSequence& sequence);
 
-// Every frame that has a picture and a usable way from Image to the world. RGB becomes luma (BT.601); samples
-// other than 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the
+// Every frame that has a picture and a usable way from Image to the world. RGB becomes Doppler keys by the
+// red/blue bar, with what the scanner draws masked out (make_doppler), or luma (BT.601); samples other than 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the
 // sequence's smallest and largest value to 0..255; a warning says which. Frames keep the order of the file;
 // their stamps count only where every frame has one and they never fall. Throws BadInput where nothing can be
 // rendered, or a pose or calibration is none.

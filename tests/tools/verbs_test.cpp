@@ -66,6 +66,40 @@ class Verbs : public ToolTest {
   }
 };
 
+TEST_F(Verbs, ADopplerRecordingGivesAPictureInColour) {
+  exchange::TrackedSequence s;
+  s.width = 40;
+  s.height = 30;
+  s.components = 3;
+  s.frames.resize(20);
+  s.pixels = exchange::PixelBuffer(3 * 40 * 30 * 20);
+  for (int i = 0; i < 20; ++i) {
+    for (std::size_t k = 0; k < 3 * 1200; ++k)
+      s.pixels.bytes()[static_cast<std::size_t>(i) * 3600 + k] = static_cast<std::uint8_t>(40 + 3 * i);
+    // Pure red, a middling velocity that pulsates, at (12..15, 8).
+    for (std::size_t x = 12; x < 16; ++x) {
+      std::uint8_t* c = s.pixels.bytes().data() + static_cast<std::size_t>(i) * 3600 + (8 * 40 + x) * 3;
+      c[0] = static_cast<std::uint8_t>(i % 2 == 0 ? 250 : 200);
+      c[1] = c[2] = 4;
+    }
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose(2, 3) = i;
+    exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Probe", "Reference"}, pose);
+  }
+  exchange::write_sequence(s, sequence);
+  ASSERT_EQ(render(across_and({"--thickness-mm", "2", "--json", path("s.json")})).exit_code, 0);
+  const auto picture = exchange::read_png(path("out.png"));
+  ASSERT_EQ(picture.channels, 3);
+  const auto at = [&](int x, int y) { return &picture.bytes[3 * static_cast<std::size_t>(y * 40 + x)]; };
+  EXPECT_GT(at(13, 20)[0], 190);
+  EXPECT_LT(at(13, 20)[2], 40);
+  EXPECT_EQ(at(30, 20)[0], at(30, 20)[1]);
+  EXPECT_EQ(Json::parse(std::ifstream(path("s.json")))["pixels"], "doppler");
+  ASSERT_EQ(render(across_and({"--colour", "grey"})).exit_code, 0);
+  EXPECT_EQ(exchange::read_png(path("out.png")).channels, 1);
+  EXPECT_EQ(render(across_and({"--colour", "green"})).exit_code, 2);
+}
+
 TEST_F(Verbs, HelpIsSuccessAndWrongUsageIsTwo) {
   EXPECT_EQ(run_tool({"--help"}).exit_code, 0);
   for (const char* verb : {"info", "render", "voxels", "convert"})

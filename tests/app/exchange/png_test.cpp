@@ -59,7 +59,7 @@ TEST_F(Png, DopplerKeysBecomeColours) {
   image.pixels.view()(3, 0) = doppler::colour_key(0, false);
   const PngPicture picture = exchange::band_png(image);
   EXPECT_EQ(picture.channels, 3);
-  EXPECT_EQ(picture.bytes, (std::vector<std::uint8_t>{0, 0, 0, 200, 200, 200, 255, 255, 0, 0, 0, 96}));
+  EXPECT_EQ(picture.bytes, (std::vector<std::uint8_t>{0, 0, 0, 201, 201, 201, 255, 255, 0, 0, 0, 64}));
 }
 
 TEST_F(Png, DamageIsRefused) {

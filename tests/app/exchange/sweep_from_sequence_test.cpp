@@ -155,11 +155,13 @@ TEST(SweepFromSequence, FramesClipAndFanChooseWhatCounts) {
   EXPECT_TRUE(sweep_of(straight(7), config, request).mask.view().empty());
 }
 
-TEST(SweepFromSequence, ColourBecomesLuma) {
+TEST(SweepFromSequence, ColourBecomesLumaWhereGreyIsAskedFor) {
   auto read = straight(2, ElementType::uint8, 3);
   auto bytes = read.sequence.pixels.bytes();
   bytes[9] = 200, bytes[10] = 100, bytes[11] = 50;  // pixel 3
-  const auto sweep = sweep_of(std::move(read));
+  SweepRequest request;
+  request.colour = exchange::ColourUse::grey;
+  const auto sweep = sweep_of(std::move(read), calibration(), request);
   // 0.299 x 200 + 0.587 x 100 + 0.114 x 50 = 124.2
   EXPECT_EQ(sweep.view().frames[0]->bscan.pixels(3, 0), 124);
   EXPECT_EQ(sweep.view().frames[1]->bscan.pixels.data, sweep.view().frames[0]->bscan.pixels.data + 24);
