@@ -26,9 +26,11 @@ Eigen::Matrix3d random_rotation(std::mt19937_64& random);
 }  // namespace sonoband::test
 
 // First line of a test that needs recordings: gives `folder` or skips, saying so.
+// NOLINTBEGIN(bugprone-macro-parentheses): it declares the name it is given
 #define SONOBAND_DATA_OR_SKIP(folder)                                                                    \
   const auto folder##_found = ::sonoband::test::data_folder();                                           \
   if (!folder##_found) GTEST_SKIP() << "no recordings: set SONOBAND_DATA or put them in ../shared/data"; \
   const std::filesystem::path& folder = *folder##_found
+// NOLINTEND(bugprone-macro-parentheses)
 
 #define EXPECT_SAYS(sentence, part) EXPECT_TRUE(::sonoband::test::says(sentence, part))
