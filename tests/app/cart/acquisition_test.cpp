@@ -332,7 +332,7 @@ TEST(Acquisition, EveryFrameIsAccountedForAndNothingIsAllocated) {
         Frame f =
             pictures[random() % pictures.size()].frame(sequence, now - milliseconds(random() % 50), now);
         if (random() % 30 == 0) f.width = 1;
-        if (random() % 30 == 0) f.format = PixelFormat::nv12;
+        if (random() % 30 == 0) f.format = PixelFormat::mjpeg;
         acquisition.on_frame(f, now);
       } else if (what == 13 && random() % 4 == 0) {
         last_command = std::max(last_command, now - milliseconds(random() % 300));

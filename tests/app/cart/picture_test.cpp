@@ -78,12 +78,9 @@ TEST(Picture, RefusesWhatItCannotRead) {
   f = grey(numbered);
   f.data = nullptr;
   EXPECT_EQ(unusable(f, 4, 3), LossCause::bad_size);
-  for (const PixelFormat format :
-       {PixelFormat::yuyv, PixelFormat::uyvy, PixelFormat::nv12, PixelFormat::mjpeg}) {
-    f = grey(numbered);
-    f.format = format;
-    EXPECT_EQ(unusable(f, 4, 3), LossCause::bad_format);
-  }
+  f = grey(numbered);
+  f.format = PixelFormat::mjpeg;
+  EXPECT_EQ(unusable(f, 4, 3), LossCause::bad_format);
   f = grey(numbered);
   f.format = PixelFormat::rgb24;  // needs 12 bytes a row
   EXPECT_EQ(unusable(f, 4, 3), LossCause::bad_size);

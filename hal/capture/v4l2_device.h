@@ -1,0 +1,51 @@
+// A video device of Linux by its system calls: memory-mapped streaming, with the timings of an HDMI bridge
+// taken over where the device has them.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "hal/capture/video_device.h"
+
+namespace sonoband {
+
+class V4l2Device final : public VideoDevice {
+ public:
+  // `path` is a device file (a link below /dev/v4l/by-id stays with its grabber), or "auto" for the first
+  // device that streams pictures.
+  explicit V4l2Device(std::string path) : path_(std::move(path)) {}
+  ~V4l2Device() override;
+
+  VideoStatus open() override;
+  std::vector<PixelFormat> formats() override;
+  VideoStatus negotiate(VideoMode& mode, double rate_hz) override;
+  VideoStatus start() override;
+  VideoStatus take(VideoBuffer& out, Duration timeout) override;
+  VideoStatus give_back(int index) override;
+  void stop() override;
+  void close() override;
+
+  // Of the open device, for people.
+  const std::string& card() const { return card_; }
+  const std::string& opened_path() const { return opened_; }
+
+ private:
+  VideoStatus open_one(const std::string& path);
+  VideoStatus take_timings();
+
+  static constexpr int wanted_buffers = 4;
+  struct Mapping {
+    void* start = nullptr;
+    std::size_t bytes = 0;
+  };
+
+  std::string path_;
+  std::string opened_;
+  std::string card_;
+  int fd_ = -1;
+  bool streaming_ = false;
+  std::array<Mapping, wanted_buffers> mapped_{};
+  int buffers_ = 0;
+};
+
+}  // namespace sonoband

@@ -1,0 +1,233 @@
+#include "hal/capture/video_source.h"
+
+#include <algorithm>
+
+#include "hal/capture/luma.h"
+
+namespace sonoband {
+namespace {
+
+constexpr Duration look_again = std::chrono::seconds(1);
+constexpr Duration silent_limit = std::chrono::seconds(1);
+constexpr int max_silent_restarts = 3;
+constexpr Duration believable_age = std::chrono::seconds(1);
+constexpr std::uint32_t most_lost = 1000;  // a longer jump is a count that began anew
+
+const char* sentence(VideoStatus status) {
+  switch (status) {
+    case VideoStatus::absent:
+      return "No video grabber: check its USB cable and that capture.device names it.";
+    case VideoStatus::access_denied:
+      return "The video grabber may not be opened: install the udev rules of board/ and plug it in again.";
+    case VideoStatus::busy:
+      return "Another program holds the video grabber: close it.";
+    case VideoStatus::not_video:
+      return "capture.device is no device that streams pictures: name the grabber's.";
+    case VideoStatus::no_signal:
+      return "The grabber gets no signal: check the video cable and that the scanner is on.";
+    case VideoStatus::no_lock:
+      return "The grabber cannot lock to the scanner's signal: use a shorter video cable.";
+    case VideoStatus::out_of_range:
+      return "The grabber cannot take the scanner's video mode: choose another one on the scanner.";
+    case VideoStatus::changed:
+      return "The scanner changed its video mode; asking again what it sends.";
+    default:
+      return "The video grabber fails: unplug it and plug it in again.";
+  }
+}
+
+DeviceState state_for(VideoStatus status) {
+  switch (status) {
+    case VideoStatus::absent:
+      return DeviceState::absent;
+    case VideoStatus::no_signal:
+    case VideoStatus::changed:
+    case VideoStatus::no_lock:
+      return DeviceState::stalled;
+    default:
+      return DeviceState::fault;
+  }
+}
+
+// Best first: what costs least and spoils nothing.
+constexpr PixelFormat preference[] = {PixelFormat::grey8, PixelFormat::nv12,  PixelFormat::yuyv,
+                                      PixelFormat::uyvy,  PixelFormat::rgb24, PixelFormat::mjpeg};
+
+}  // namespace
+
+VideoSource::VideoSource(VideoDevice& device, Clock& clock, const VideoSettings& settings)
+    : device_(device), clock_(clock), settings_(settings), decoded_(settings.width, settings.height) {}
+
+VideoSource::~VideoSource() {
+  VideoSource::stop();
+}
+
+void VideoSource::say(DeviceState state, const char* reason) {
+  reason_.store(reason, std::memory_order_relaxed);
+  health_.store(state, std::memory_order_relaxed);
+}
+
+void VideoSource::start() {
+  if (started_) return;
+  started_ = true;
+  ever_streamed_ = false;
+  next_open_ = clock_.now();
+  delivered_ = 0;
+  say(DeviceState::starting, "");
+}
+
+void VideoSource::stop() {
+  started_ = false;
+  close();
+  say(DeviceState::absent, "");
+}
+
+void VideoSource::close() {
+  if (state_ == State::streaming) device_.stop();
+  device_.close();
+  state_ = State::closed;
+  held_ = -1;
+}
+
+VideoStatus VideoSource::bring_up() {
+  if (const VideoStatus opened = device_.open(); opened != VideoStatus::ok) return opened;
+  const std::vector<PixelFormat> offered = device_.formats();
+  VideoStatus status = VideoStatus::not_video;
+  for (const PixelFormat format : preference) {
+    if (std::find(offered.begin(), offered.end(), format) == offered.end()) continue;
+    VideoMode mode{.format = format, .width = settings_.width, .height = settings_.height};
+    status = device_.negotiate(mode, settings_.rate_hz);
+    if (status != VideoStatus::ok) return status;
+    // The calibration holds for one size of picture.
+    if (mode.format != format || mode.width != settings_.width || mode.height != settings_.height) {
+      status = VideoStatus::out_of_range;
+      continue;
+    }
+    status = device_.start();
+    if (status != VideoStatus::ok) return status;
+    mode_ = mode;
+    state_ = State::streaming;
+    last_frame_ = clock_.now();
+    last_sequence_.reset();
+    return VideoStatus::ok;
+  }
+  return status;
+}
+
+void VideoSource::trouble(VideoStatus why) {
+  if (ever_streamed_ && state_ == State::streaming) recoveries_.fetch_add(1, std::memory_order_relaxed);
+  close();
+  say(state_for(why), sentence(why));
+  // A changed source is asked at once, everything else is looked for once a second.
+  next_open_ = clock_.now() + (why == VideoStatus::changed ? Duration(0) : look_again);
+}
+
+bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
+  const Stamp now = clock_.now();
+  std::uint64_t missed = 0;
+  if (last_sequence_) {
+    const std::uint32_t step = buffer.sequence - *last_sequence_;
+    if (step == 0) return false;  // the same frame twice
+    if (step <= most_lost) missed = step - 1;
+  }
+  last_sequence_ = buffer.sequence;
+  sequence_ += missed + 1;
+  lost_.fetch_add(missed, std::memory_order_relaxed);
+
+  out = {};
+  out.data = buffer.bytes.data();
+  out.bytes = buffer.bytes.size();
+  out.width = mode_->width;
+  out.height = mode_->height;
+  out.stride_bytes = mode_->stride_bytes;
+  out.format = mode_->format;
+  bool whole = !buffer.damaged;
+  if (whole && out.format == PixelFormat::mjpeg) {
+    whole = jpeg_.decode(buffer.bytes, decoded_.view());
+    out.data = decoded_.view().data;
+    out.bytes = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
+    out.stride_bytes = out.width;
+    out.format = PixelFormat::grey8;
+  }
+  if (!whole || check_frame(out, settings_.width, settings_.height) != FrameFault::none) {
+    lost_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  out.arrived = now;
+  out.device_stamp_ns = buffer.stamp_ns;
+  const Stamp stamp{std::chrono::nanoseconds(buffer.stamp_ns)};
+  // A stamp from another clock, or from the future, is none.
+  const bool believable = buffer.monotonic && stamp <= now && now - stamp < believable_age;
+  out.captured = believable ? stamp : now;
+  if (last_stamp_ && out.captured <= *last_stamp_) out.captured = *last_stamp_ + Duration(1);
+  last_stamp_ = out.captured;
+  out.sequence = sequence_;
+  return true;
+}
+
+ReadStatus VideoSource::read(Frame& out, Duration timeout) {
+  if (!started_) return ReadStatus::ended;
+  const Stamp until = clock_.now() + timeout;
+  if (held_ >= 0) {
+    if (device_.give_back(held_) != VideoStatus::ok) trouble(VideoStatus::failed);
+    held_ = -1;
+  }
+  do {
+    if (state_ == State::closed) {
+      const Stamp now = clock_.now();
+      if (now < next_open_) {
+        clock_.sleep_until(std::min(until, next_open_));
+        continue;
+      }
+      if (const VideoStatus status = bring_up(); status != VideoStatus::ok) {
+        device_.close();
+        say(state_for(status), sentence(status));
+        next_open_ = clock_.now() + look_again;
+        continue;
+      }
+    }
+    VideoBuffer buffer;
+    const Stamp watch = last_frame_ + silent_limit;
+    const Stamp now = clock_.now();
+    const VideoStatus status = device_.take(buffer, std::max(Duration(0), std::min(until, watch) - now));
+    if (status == VideoStatus::ok) {
+      last_frame_ = clock_.now();
+      if (accept(buffer, out)) {
+        silent_restarts_ = 0;
+        ever_streamed_ = true;
+        held_ = buffer.index;
+        delivered_.fetch_add(1, std::memory_order_relaxed);
+        if (mode_->format == PixelFormat::mjpeg)
+          say(DeviceState::degraded,
+              "The grabber compresses its pictures (motion JPEG), which blurs edges: use one that does not.");
+        else
+          say(DeviceState::running, "");
+        return ReadStatus::ok;
+      }
+      if (device_.give_back(buffer.index) != VideoStatus::ok) trouble(VideoStatus::failed);
+    } else if (status != VideoStatus::nothing_yet) {
+      trouble(status);
+    } else if (clock_.now() >= watch) {
+      recoveries_.fetch_add(1, std::memory_order_relaxed);
+      say(DeviceState::stalled, "The video grabber sends no pictures; restarting it.");
+      device_.stop();
+      state_ = State::closed;
+      last_sequence_.reset();
+      if (++silent_restarts_ % max_silent_restarts == 0) device_.close();
+      next_open_ = clock_.now();
+    }
+  } while (clock_.now() < until);
+  return ReadStatus::nothing_yet;
+}
+
+DeviceHealth VideoSource::health() const {
+  DeviceHealth h;
+  h.state = health_.load(std::memory_order_relaxed);
+  h.reason = reason_.load(std::memory_order_relaxed);
+  h.delivered = delivered_.load(std::memory_order_relaxed);
+  h.lost = lost_.load(std::memory_order_relaxed);
+  h.recoveries = recoveries_.load(std::memory_order_relaxed);
+  return h;
+}
+
+}  // namespace sonoband

@@ -1,0 +1,285 @@
+// A video device of made-up answers: what the source makes of everything a grabber does.
+#include "hal/capture/video_source.h"
+
+#include <gtest/gtest.h>
+#include <turbojpeg.h>
+
+#include <utility>
+#include <vector>
+
+#include "hal/capture/luma.h"
+#include "tests/hal/tracker/tracker_rig.h"
+
+namespace sonoband {
+namespace {
+
+using test::at;
+
+constexpr int width = 64;
+constexpr int height = 48;
+
+class FakeVideo final : public VideoDevice {
+ public:
+  explicit FakeVideo(Clock& clock) : clock_(clock) {
+    offered.push_back(PixelFormat::mjpeg);
+    offered.push_back(PixelFormat::yuyv);
+  }
+
+  VideoStatus open() override {
+    ++opens;
+    return opening;
+  }
+  std::vector<PixelFormat> formats() override { return offered; }
+  VideoStatus negotiate(VideoMode& mode, double /*rate_hz*/) override {
+    mode.width = actual_width;
+    mode.stride_bytes = (mode.format == PixelFormat::yuyv ? 2 : 1) * mode.width;
+    format = mode.format;
+    return negotiating;
+  }
+  VideoStatus start() override {
+    ++starts;
+    lent = 0;
+    next_ = clock_.now() + period;
+    return VideoStatus::ok;
+  }
+  VideoStatus take(VideoBuffer& out, Duration timeout) override {
+    const Stamp until = clock_.now() + timeout;
+    if (trouble != VideoStatus::ok) {
+      clock_.sleep_until(clock_.now() + std::chrono::milliseconds(1));
+      return std::exchange(trouble, VideoStatus::ok);
+    }
+    while (next_ < silent_until) next_ += period;
+    if (next_ > until) {
+      clock_.sleep_until(until);
+      return VideoStatus::nothing_yet;
+    }
+    clock_.sleep_until(next_);
+    EXPECT_LT(lent, 4) << "buffers are given back";
+    ++lent;
+    picture.assign(static_cast<std::size_t>(bytes_per_picture), static_cast<std::uint8_t>(sequence));
+    if (!jpeg.empty()) picture = jpeg;
+    out.index = 0;
+    out.bytes = picture;
+    out.sequence = sequence++;
+    out.stamp_ns = (next_ - std::chrono::milliseconds(3)).time_since_epoch().count() + stamp_shift_ns;
+    out.monotonic = true;
+    out.damaged = std::exchange(damage_next, false);
+    next_ += period;
+    return VideoStatus::ok;
+  }
+  VideoStatus give_back(int /*index*/) override {
+    --lent;
+    return VideoStatus::ok;
+  }
+  void stop() override {}
+  void close() override {}
+
+  VideoStatus opening = VideoStatus::ok;
+  VideoStatus negotiating = VideoStatus::ok;
+  VideoStatus trouble = VideoStatus::ok;  // of the next take
+  std::vector<PixelFormat> offered;
+  int actual_width = width;
+  int bytes_per_picture = 2 * width * height;
+  std::vector<std::uint8_t> picture;
+  std::vector<std::uint8_t> jpeg;
+  Duration period = std::chrono::milliseconds(20);
+  Stamp silent_until{};
+  std::uint32_t sequence = 7;
+  std::int64_t stamp_shift_ns = 0;
+  bool damage_next = false;
+  int lent = 0;
+  int opens = 0;
+  int starts = 0;
+  PixelFormat format{};
+
+ private:
+  Clock& clock_;
+  Stamp next_{};
+};
+
+struct Rig {
+  Rig() { source.start(); }
+  void run_to(double s) {
+    Frame f;
+    while (clock.now() < at(s)) {
+      const Duration patience = std::min<Duration>(std::chrono::milliseconds(30), at(s) - clock.now());
+      if (source.read(f, patience) != ReadStatus::ok) continue;
+      if (!frames.empty()) {
+        EXPECT_GT(f.sequence, frames.back().sequence);
+        EXPECT_GT(f.captured, frames.back().captured);
+      }
+      EXPECT_LE(f.captured, f.arrived);
+      EXPECT_EQ(check_frame(f, width, height), FrameFault::none);
+      frames.push_back(f);
+    }
+  }
+  DeviceHealth health() const { return source.health(); }
+
+  test::SteppedClock clock;
+  FakeVideo device{clock};
+  VideoSource source{device, clock, {.width = width, .height = height, .rate_hz = 50}};
+  std::vector<Frame> frames;
+};
+
+TEST(VideoSource, StreamsWithTheKernelsStampsAndThePreferredFormat) {
+  Rig rig;
+  rig.run_to(2);
+  EXPECT_NEAR(static_cast<double>(rig.frames.size()), 100, 2);
+  EXPECT_EQ(rig.device.format, PixelFormat::yuyv);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_EQ(rig.health().lost, 0u);
+  EXPECT_EQ(rig.frames[9].captured - rig.frames[8].captured, rig.device.period);
+  EXPECT_EQ(rig.frames[9].arrived - rig.frames[9].captured, std::chrono::milliseconds(3));
+}
+
+TEST(VideoSource, AGapOfTheCountIsSoManyLost) {
+  Rig rig;
+  rig.run_to(1);
+  rig.device.sequence += 5;
+  rig.run_to(2);
+  EXPECT_EQ(rig.health().lost, 5u);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(VideoSource, TheSameFrameTwiceIsHandedOutOnce) {
+  Rig rig;
+  rig.run_to(1);
+  const auto before = rig.frames.size();
+  --rig.device.sequence;
+  rig.run_to(1.1);
+  EXPECT_EQ(rig.health().lost, 0u);
+  EXPECT_EQ(rig.frames.size(), before + 4);
+}
+
+TEST(VideoSource, DamagedAndTooShortBuffersAreLost) {
+  Rig rig;
+  rig.run_to(1);
+  rig.device.damage_next = true;
+  rig.run_to(1.5);
+  EXPECT_EQ(rig.health().lost, 1u);
+  rig.device.bytes_per_picture -= 1;
+  rig.run_to(2);
+  EXPECT_NEAR(static_cast<double>(rig.health().lost), 26, 1);
+  rig.device.bytes_per_picture += 1;
+  rig.run_to(3);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(VideoSource, AStallIsRestartedAndCounted) {
+  Rig rig;
+  rig.run_to(2);
+  rig.device.silent_until = at(6);
+  rig.run_to(4.5);
+  EXPECT_EQ(rig.health().state, DeviceState::stalled);
+  EXPECT_GE(rig.health().recoveries, 2u);
+  rig.run_to(8);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_GE(rig.device.starts, 3);
+  EXPECT_LT(rig.clock.now() - rig.frames.back().captured, std::chrono::milliseconds(30));
+}
+
+TEST(VideoSource, AChangedSourceIsAskedAgainAndAnotherSizeIsRefused) {
+  Rig rig;
+  rig.run_to(1);
+  rig.device.trouble = VideoStatus::changed;
+  rig.run_to(1.2);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_EQ(rig.device.starts, 2);
+  rig.device.actual_width = 80;
+  rig.device.trouble = VideoStatus::changed;
+  const auto before = rig.frames.size();
+  rig.run_to(3);
+  EXPECT_EQ(rig.health().state, DeviceState::fault);
+  EXPECT_EQ(rig.frames.size(), before);
+  rig.device.actual_width = width;
+  rig.run_to(5);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(VideoSource, UnpluggedAndBack) {
+  Rig rig;
+  rig.run_to(1);
+  rig.device.trouble = VideoStatus::absent;
+  rig.device.opening = VideoStatus::absent;
+  rig.run_to(3);
+  EXPECT_EQ(rig.health().state, DeviceState::absent);
+  rig.device.opening = VideoStatus::ok;
+  rig.device.sequence = 0;  // it counts anew
+  rig.run_to(5);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_EQ(rig.health().lost, 0u);
+  EXPECT_EQ(rig.health().recoveries, 1u);
+}
+
+TEST(VideoSource, EveryReasonItCannotOpenIsSaidAndLookedForOnceASecond) {
+  for (const VideoStatus why :
+       {VideoStatus::absent, VideoStatus::access_denied, VideoStatus::busy, VideoStatus::not_video}) {
+    Rig rig;
+    rig.device.opening = why;
+    rig.run_to(5.5);
+    EXPECT_NEAR(rig.device.opens, 6, 1);
+    EXPECT_STRNE(rig.health().reason, "");
+    rig.device.opening = VideoStatus::ok;
+    rig.run_to(7);
+    EXPECT_EQ(rig.health().state, DeviceState::running);
+  }
+  for (const VideoStatus why : {VideoStatus::no_signal, VideoStatus::no_lock, VideoStatus::out_of_range}) {
+    Rig rig;
+    rig.device.negotiating = why;
+    rig.run_to(1.5);
+    EXPECT_STRNE(rig.health().reason, "");
+    EXPECT_TRUE(rig.frames.empty());
+  }
+  Rig rig;
+  rig.device.offered.clear();
+  rig.run_to(0.5);
+  EXPECT_EQ(rig.health().state, DeviceState::fault);
+}
+
+TEST(VideoSource, AStampOfAnotherClockIsNotBelieved) {
+  for (const std::int64_t shift : {std::int64_t{5'000'000'000}, std::int64_t{-5'000'000'000}}) {
+    Rig rig;
+    rig.device.stamp_shift_ns = shift;
+    rig.run_to(1);
+    EXPECT_EQ(rig.frames.back().captured, rig.frames.back().arrived);
+  }
+}
+
+std::vector<std::uint8_t> jpeg_of(int w, int h, std::uint8_t grey) {
+  const std::vector<std::uint8_t> pixels(static_cast<std::size_t>(w * h), grey);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  const tjhandle handle = tjInitCompress();
+  EXPECT_EQ(tjCompress2(handle, pixels.data(), w, 0, h, TJPF_GRAY, &bytes, &size, TJSAMP_GRAY, 90, 0), 0);
+  std::vector<std::uint8_t> out(bytes, bytes + size);
+  tjFree(bytes);
+  tjDestroy(handle);
+  return out;
+}
+
+TEST(VideoSource, MotionJpegIsDecodedAndWarnedAbout) {
+  Rig rig;
+  rig.device.offered.assign(1, PixelFormat::mjpeg);
+  rig.device.jpeg = jpeg_of(width, height, 200);
+  rig.run_to(0.5);
+  EXPECT_EQ(rig.health().state, DeviceState::degraded);
+  ASSERT_FALSE(rig.frames.empty());
+  EXPECT_EQ(rig.frames.back().format, PixelFormat::grey8);
+  EXPECT_NEAR(rig.frames.back().data[width * height / 2], 200, 1);
+}
+
+TEST(VideoSource, JpegsThatAreCutOffOrOfAnotherSizeAreLost) {
+  for (int which = 0; which < 3; ++which) {
+    Rig rig;
+    rig.device.offered.assign(1, PixelFormat::mjpeg);
+    rig.device.jpeg = jpeg_of(which == 0 ? 2 * width : width, height, 9);
+    if (which == 1) rig.device.jpeg.resize(rig.device.jpeg.size() / 2);
+    if (which == 2) rig.device.jpeg.assign(100, 0xff);
+    rig.run_to(0.5);
+    EXPECT_TRUE(rig.frames.empty()) << which;
+    EXPECT_GE(rig.health().lost, 20u);
+  }
+}
+
+}  // namespace
+}  // namespace sonoband
