@@ -1,0 +1,15 @@
+// USB pedals, which act as keyboards: their keys, taken away from everyone else so that none reaches the
+// screen.
+#pragma once
+
+#include "hal/footswitch/contact_source.h"
+
+namespace sonoband {
+
+// `device` is an event device file (a link below /dev/input/by-id stays with its pedal), or "auto" for the
+// first one whose product id is that of a known pedal.
+std::unique_ptr<ContactSource> key_contacts(std::string device);
+
+ContactReport find_key_pedal(const std::string& device);
+
+}  // namespace sonoband

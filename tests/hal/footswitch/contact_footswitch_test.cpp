@@ -1,0 +1,221 @@
+// Pedals on made-up contacts: wiring, lost edges, faults of the cable, unplugging.
+#include "hal/footswitch/contact_footswitch.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <vector>
+
+#include "hal/footswitch/debounce.h"
+#include "tests/hal/tracker/tracker_rig.h"
+
+namespace sonoband {
+namespace {
+
+using test::at;
+
+// What a test and the source it gave away both see.
+struct Wires {
+  struct Event {
+    double t_s;
+    int contact;
+    bool active;
+    std::uint32_t sequence = 0;
+    ContactStatus status = ContactStatus::ok;
+  };
+  std::deque<Event> events;
+  std::vector<bool> levels{false, true};
+  ContactStatus opening = ContactStatus::ok;
+  bool dead = false;
+  std::int64_t stamp_shift_ns = 0;
+  int opens = 0;
+  std::vector<ContactRequest> asked;
+};
+
+class FakeContacts final : public ContactSource {
+ public:
+  FakeContacts(Wires& wires, Clock& clock) : wires_(wires), clock_(clock) {}
+  ContactStatus open(std::span<const ContactRequest> contacts) override {
+    ++wires_.opens;
+    wires_.asked.assign(contacts.begin(), contacts.end());
+    return wires_.opening;
+  }
+  ContactStatus wait(ContactEdge& out, Duration timeout) override {
+    const Stamp until = clock_.now() + timeout;
+    if (wires_.events.empty() || at(wires_.events.front().t_s) > until) {
+      clock_.sleep_until(until);
+      return ContactStatus::nothing_yet;
+    }
+    const Wires::Event e = wires_.events.front();
+    wires_.events.pop_front();
+    clock_.sleep_until(at(e.t_s) + std::chrono::microseconds(200));
+    if (e.status != ContactStatus::ok) return e.status;
+    wires_.levels[static_cast<std::size_t>(e.contact)] = e.active;
+    out = {e.contact, e.active, at(e.t_s).time_since_epoch().count() + wires_.stamp_shift_ns, e.sequence};
+    return ContactStatus::ok;
+  }
+  std::optional<bool> level(int contact) override {
+    if (wires_.dead) return std::nullopt;
+    return wires_.levels[static_cast<std::size_t>(contact)];
+  }
+  void close() override {}
+
+ private:
+  Wires& wires_;
+  Clock& clock_;
+};
+
+struct Rig {
+  explicit Rig(bool pair = false) {
+    PedalWiring pedal{.closes = {.name = "FOOTSWITCH_NO", .active_low = true, .bias = Bias::pull_up},
+                      .opens = {}};
+    if (pair) pedal.opens = ContactRequest{.name = "FOOTSWITCH_NC"};
+    footswitch = std::make_unique<ContactFootswitch>(std::make_unique<FakeContacts>(wires, clock), clock,
+                                                     std::vector<PedalWiring>{pedal});
+    footswitch->start();
+  }
+  void run_to(double s) {
+    PedalEdge e;
+    while (clock.now() < at(s))
+      if (footswitch->read(e, std::min<Duration>(std::chrono::milliseconds(20), at(s) - clock.now())) ==
+          ReadStatus::ok)
+        edges.push_back(e);
+  }
+  DeviceHealth health() const { return footswitch->health(); }
+
+  test::SteppedClock clock;
+  Wires wires;
+  std::unique_ptr<ContactFootswitch> footswitch;
+  std::vector<PedalEdge> edges;
+};
+
+TEST(ContactFootswitch, LevelFirstThenEveryEdgeAtItsStamp) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}, {1.001, 0, false}, {1.002, 0, true}, {2, 0, false}};
+  rig.run_to(3);
+  ASSERT_EQ(rig.edges.size(), 5u);
+  EXPECT_EQ(rig.edges[0].sequence, 0u);
+  EXPECT_FALSE(rig.edges[0].closed);
+  for (std::size_t i = 1; i < 5; ++i) EXPECT_EQ(rig.edges[i].sequence, i);
+  EXPECT_EQ(rig.edges[1].time, at(1));
+  EXPECT_TRUE(rig.edges[3].closed);
+  EXPECT_EQ(rig.edges[4].time, at(2));
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_EQ(rig.wires.asked[0].name, "FOOTSWITCH_NO");
+  EXPECT_TRUE(rig.wires.asked[0].active_low);
+}
+
+TEST(ContactFootswitch, AJumpOfTheKernelsCountIsReadAgain) {
+  Rig rig;
+  // The release at 1.5 is lost, and so is the press after it: the level read says up.
+  rig.wires.events = {{1, 0, true, 1}, {2, 0, true, 4}};
+  rig.run_to(1.9);
+  rig.wires.levels[0] = false;
+  rig.wires.events.front().active = false;
+  rig.run_to(3);
+  ASSERT_EQ(rig.edges.size(), 3u);
+  EXPECT_EQ(rig.edges[2].sequence, 4u);
+  EXPECT_FALSE(rig.edges[2].closed);
+  EXPECT_EQ(rig.health().lost, 2u);
+}
+
+TEST(ContactFootswitch, WithoutACountTheSameLevelTwiceIsALostEdge) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}, {2, 0, true}};
+  rig.run_to(3);
+  ASSERT_EQ(rig.edges.size(), 3u);
+  EXPECT_EQ(rig.edges[2].sequence, 3u);
+  EXPECT_EQ(rig.health().lost, 1u);
+}
+
+TEST(ContactFootswitch, AnOverflowReadsEveryLevel) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}, {1.5, 0, false, 0, ContactStatus::overflow}};
+  rig.run_to(1.2);
+  rig.wires.levels[0] = false;
+  rig.run_to(2);
+  ASSERT_EQ(rig.edges.size(), 3u);
+  EXPECT_FALSE(rig.edges[2].closed);
+  EXPECT_EQ(rig.edges[2].sequence, 3u);
+}
+
+TEST(ContactFootswitch, APairSaysWhenItsCableIsCut) {
+  Rig rig(true);
+  rig.wires.events = {{1, 1, false}, {1.01, 0, true}, {2, 0, false}, {2.01, 1, true}};
+  rig.run_to(3);
+  ASSERT_EQ(rig.edges.size(), 3u) << "the travel between its contacts is no edge of the pedal";
+  EXPECT_EQ(rig.edges[1].time, at(1.01));
+  EXPECT_EQ(rig.edges[2].time, at(2));
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  rig.wires.events = {{4, 1, false}};  // nobody pressed: the NC wire is cut
+  rig.run_to(4.04);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  rig.run_to(4.2);
+  EXPECT_EQ(rig.health().state, DeviceState::fault);
+  rig.wires.events = {{5, 1, true}};
+  rig.run_to(5.1);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(ContactFootswitch, AShortWhileDownCountsAsReleased) {
+  Rig rig(true);
+  rig.wires.events = {{1, 1, false}, {1.01, 0, true}, {2, 1, true}};
+  rig.run_to(3);
+  ASSERT_EQ(rig.edges.size(), 3u);
+  EXPECT_FALSE(rig.edges[2].closed);
+  EXPECT_EQ(rig.health().state, DeviceState::fault);
+}
+
+TEST(ContactFootswitch, UnpluggedWhileDownIsReleasedAndComesBackWithItsLevel) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}, {2, 0, true, 0, ContactStatus::gone}};
+  rig.run_to(1.5);
+  rig.wires.opening = ContactStatus::no_such_line;
+  rig.run_to(2.5);
+  ASSERT_EQ(rig.edges.size(), 3u);
+  EXPECT_FALSE(rig.edges[2].closed);
+  EXPECT_EQ(rig.health().state, DeviceState::absent);
+  rig.wires.opening = ContactStatus::ok;
+  rig.run_to(5);
+  ASSERT_EQ(rig.edges.size(), 4u);
+  EXPECT_EQ(rig.edges[3].sequence, 0u);
+  EXPECT_TRUE(rig.edges[3].closed) << "still held: the debouncer wants to see it up first";
+  Debounce debounce;
+  std::size_t presses = 0;
+  for (const PedalEdge& e : rig.edges) {
+    if (const auto tick = debounce.tick(e.time)) presses += tick->pressed ? 1 : 0;
+    if (const auto event = debounce.edge(e)) presses += event->pressed ? 1 : 0;
+  }
+  EXPECT_EQ(presses, 1u);
+}
+
+TEST(ContactFootswitch, EveryReasonItCannotOpenIsSaid) {
+  for (const ContactStatus why : {ContactStatus::no_such_line, ContactStatus::access_denied,
+                                  ContactStatus::busy, ContactStatus::no_bias}) {
+    Rig rig;
+    rig.wires.opening = why;
+    rig.run_to(3.5);
+    EXPECT_STRNE(rig.health().reason, "");
+    EXPECT_NEAR(rig.wires.opens, 4, 1) << "once a second";
+    EXPECT_TRUE(rig.edges.empty());
+  }
+}
+
+TEST(ContactFootswitch, AStampOfAnotherClockIsReplacedByTheArrival) {
+  Rig rig;
+  rig.wires.stamp_shift_ns = 1'000'000'000'000;
+  rig.wires.events = {{1, 0, true}};
+  rig.run_to(2);
+  ASSERT_EQ(rig.edges.size(), 2u);
+  EXPECT_EQ(rig.edges[1].time, at(1) + std::chrono::microseconds(200));
+}
+
+TEST(ContactFootswitch, AChatteringContactNeitherGrowsNorHangs) {
+  Rig rig;
+  for (int i = 0; i < 5000; ++i) rig.wires.events.push_back({1 + i * 1e-5, 0, i % 2 == 0});
+  rig.run_to(3);
+  EXPECT_EQ(rig.edges.size(), 5001u);
+}
+
+}  // namespace
+}  // namespace sonoband
