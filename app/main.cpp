@@ -15,6 +15,7 @@
 #include "app/screen/run.h"
 #include "app/script/examination.h"
 #include "app/workers.h"
+#include "board/check.h"
 #include "hal/sim/virtual_clock.h"
 
 namespace sonoband {
@@ -33,17 +34,54 @@ struct Options {
   bool full_screen = false;
   bool headless = false;
   bool real_time = false;
+  bool check = false;
 
   // A script needs nobody to watch it.
   bool window() const { return !headless && script.empty() && std::getenv("DISPLAY") != nullptr; }
 };
 
+// Where the pixels of the cart's pictures lie, as a calibration wrote it.
+BoardCalibration calibration(const Options& options, const Profile& profile) {
+  if (options.calibration.empty())
+    throw BadInput(
+        "--board " + options.board +
+        ": a cart needs to know where its pixels lie; name the calibration (XML) in --calibration");
+  const exchange::PlusConfig config = exchange::read_plus_config(options.calibration);
+  const auto [width, height] = profile.capture.size_px;
+  return {.probe_from_image = exchange::probe_from_image(config, options.calibration),
+          .mask = exchange::sector_mask(width, height, config.clip, std::nullopt, config.fan,
+                                        options.calibration),
+          .latency_offset = {}};
+}
+
+// The profile a board comes with, and what the machine's own says otherwise.
+Profile make_profile(const Options& options) {
+  const std::string board = options.board.starts_with("replay:") ? "replay" : options.board;
+  const Profile defaults = board_profile(board).value_or(Profile{});
+  return options.config.empty() ? defaults : read_profile(options.config, defaults);
+}
+
+int check(const Options& options) {
+  const std::string board = options.board.starts_with("replay:") ? "replay" : options.board;
+  if (!board_profile(board))
+    throw BadInput("--board " + options.board +
+                   ": there are the boards sim, replay, cart, raspberrypi and virtual");
+  const std::vector<CheckLine> lines = check_board(board, make_profile(options));
+  for (const CheckLine& line : lines) std::printf("%s\n", text_of(line).c_str());
+  return all_found(lines) ? 0 : 1;
+}
+
 BoardDevices make_board(const Options& options, const Profile& profile, Clock& clock) {
   if (options.board == "sim") return make_sim_board(profile, clock);
   const std::string prefix = "replay:";
+  if (options.board == "virtual")
+    return make_hardware_board(options.board, scene_calibration(profile), profile, clock);
+  if (options.board != "replay" && board_profile(options.board))
+    return make_hardware_board(options.board, calibration(options, profile), profile, clock);
   if (!options.board.starts_with(prefix)) {
-    throw BadInput("--board " + options.board +
-                   ": there are the boards sim and replay:FILE; choose one of them");
+    throw BadInput(
+        "--board " + options.board +
+        ": there are the boards sim, replay:FILE, cart, raspberrypi and virtual; choose one of them");
   }
   const std::string file = options.board.substr(prefix.size());
   const exchange::PlusConfig config =
@@ -111,7 +149,7 @@ void say_what_is_saved(const cart::Appliance& cart) {
 }
 
 int run(const Options& options) {
-  const Profile profile = options.config.empty() ? Profile{} : read_profile(options.config);
+  const Profile profile = make_profile(options);
   const ScreenOptions screen = screen_options(options, profile);
   const bool window = options.window();
   if (!window && !options.headless && options.script.empty())
@@ -121,7 +159,9 @@ int run(const Options& options) {
                                             : script::read(options.script);
 
   std::shared_ptr<Clock> clock;
-  if (window || options.real_time) {
+  // Real devices keep their own time.
+  const bool simulated = options.board == "sim" || options.board.starts_with("replay:");
+  if (window || options.real_time || !simulated) {
     clock = std::make_shared<SystemClock>();
   } else {
     clock = std::make_shared<sim::VirtualClock>();
@@ -155,8 +195,11 @@ int main(int argc, char** argv) {
   using namespace sonoband;
   Options options;
   CLI::App app{"Sonoband: freehand 3D ultrasound at the cart. Research use only."};
-  app.add_option("--board", options.board, "sim, or replay:FILE for a tracked sequence (.mha, .nrrd)")
+  app.add_option("--board", options.board,
+                 "sim, replay:FILE for a tracked sequence (.mha, .nrrd), cart, raspberrypi or virtual")
       ->capture_default_str();
+  app.add_flag("--check", options.check,
+               "say what is found of the board's devices, and how to cure what is not");
   app.add_option("--config", options.config, "the machine's profile (TOML); board/README.md lists its keys");
   app.add_option("--calibration", options.calibration, "PLUS configuration (XML) for a replay");
   app.add_option("--exams", options.exams, "folder in which every sweep is saved; an empty name saves none")
@@ -175,7 +218,7 @@ int main(int argc, char** argv) {
                "simulate at the speed of the clock, not as fast as possible");
   try {
     app.parse(argc, argv);
-    return run(options);
+    return options.check ? check(options) : run(options);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {

@@ -11,6 +11,8 @@
 #include "core/image/image.h"
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/footswitch/contact_footswitch.h"
+#include "hal/tracker/link_types.h"
 
 namespace sonoband {
 
@@ -53,5 +55,24 @@ BoardDevices make_sim_board(const Profile& profile, Clock& clock);
 BoardDevices make_replay_board(std::shared_ptr<const Recording> recording,
                                const Affine<frame::Probe, frame::Image>& probe_from_image, Pixels mask,
                                const Profile& profile, Clock& clock);
+
+// What only a calibration, or a scene that is known, can say.
+struct BoardCalibration {
+  Affine<frame::Probe, frame::Image> probe_from_image;
+  Pixels mask;                // which pixels show the body; empty: all
+  Duration latency_offset{};  // unless the profile has one
+};
+
+// Tracker on USB, video grabber and pedal, as the profile names them. Devices that are missing are waited
+// for.
+BoardDevices make_hardware_board(const std::string& name, const BoardCalibration& calibration,
+                                 const Profile& profile, Clock& clock);
+
+// The calibration of the simulated scene: for the board `virtual`, whose hardware shows that scene.
+BoardCalibration scene_calibration(const Profile& profile);
+
+// Parts of the above, for the check and for tests.
+std::vector<PedalWiring> pedal_wiring(const Profile& profile);
+LinkConfig tracker_config(const Profile& profile);
 
 }  // namespace sonoband

@@ -65,6 +65,28 @@ Key choice(std::string table, std::string name, std::vector<std::string> words,
           }};
 }
 
+Key text(std::string table, std::string name, const std::function<std::string&(Profile&)>& field) {
+  return {std::move(table), std::move(name), "a text of at most 200 characters",
+          [=](const toml::node& node, Profile& profile) {
+            if (!node.is_string() || node.as_string()->get().size() > 200) return false;
+            field(profile) = node.as_string()->get();
+            return true;
+          }};
+}
+
+// An array of exactly as many numbers as there is room for, all within the bounds.
+template <class Number, class Numbers>
+bool take_numbers(const toml::node& node, Number least, Number most, Numbers& into) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->size() != into.size()) return false;
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    const auto value = array->get(i)->value<Number>();
+    if (!value || !(*value >= least && *value <= most)) return false;
+    into[i] = static_cast<typename Numbers::value_type>(*value);
+  }
+  return true;
+}
+
 bool take_crop(const toml::node& node, Profile& profile) {
   const toml::array* array = node.as_array();
   if (array == nullptr || array->size() != 4) return false;
@@ -87,6 +109,37 @@ std::vector<Key> all_keys() {
              [](P& p, const std::string& word) { p.capture.orientation = word; }),
       real("capture", "latency-ms", -1000, 1000,
            [](P& p) -> double& { return p.capture.latency_ms.emplace(); }),
+      text("capture", "device", [](P& p) -> std::string& { return p.capture.device; }),
+      {"capture", "size-px", "two whole numbers [width, height] from 16 to 8192",
+       [](const toml::node& node, P& p) {
+         return take_numbers<std::int64_t>(node, 16, 8192, p.capture.size_px);
+       }},
+      whole<int>("tracking", "station", 1, 16, [](P& p) -> int& { return p.tracking.station; }),
+      {"tracking", "rate-hz", "120 or 240",
+       [](const toml::node& node, P& p) {
+         const auto value = node.value<std::int64_t>();
+         if (value != 120 && value != 240) return false;
+         p.tracking.rate_hz = static_cast<int>(*value);
+         return true;
+       }},
+      {"tracking", "hemisphere", "three numbers [x, y, z] from -1 to 1, not all 0",
+       [](const toml::node& node, P& p) {
+         return take_numbers<double>(node, -1, 1, p.tracking.hemisphere) &&
+                p.tracking.hemisphere != std::array<double, 3>{};
+       }},
+      choice("pedal", "wired", {"gpio", "usb"}, [](P& p, const std::string& word) { p.pedal.wired = word; }),
+      text("pedal", "device", [](P& p) -> std::string& { return p.pedal.device; }),
+      text("pedal", "pin", [](P& p) -> std::string& { return p.pedal.pin; }),
+      text("pedal", "opening-pin", [](P& p) -> std::string& { return p.pedal.opening_pin; }),
+      text("pedal", "second-pin", [](P& p) -> std::string& { return p.pedal.second_pin; }),
+      {"pedal", "active-low", "true or false",
+       [](const toml::node& node, P& p) {
+         const auto value = node.value<bool>();
+         if (value) p.pedal.active_low = *value;
+         return value.has_value() && node.is_boolean();
+       }},
+      choice("pedal", "bias", {"as-is", "pull-up", "pull-down", "off"},
+             [](P& p, const std::string& word) { p.pedal.bias = word; }),
       real("tracking", "gap-ms", 1, 1000, [](P& p) -> double& { return p.tracking.gap_ms; }),
       real("tracking", "wait-ms", 1, 2000, [](P& p) -> double& { return p.tracking.wait_ms; }),
       choice("pedal", "mode", {"hold", "toggle"},
@@ -121,7 +174,7 @@ std::string names(const std::vector<Key>& keys, const std::string& table) {
 
 }  // namespace
 
-Profile parse_profile(std::string_view toml_text, const std::string& file) {
+Profile parse_profile(std::string_view toml_text, const std::string& file, const Profile& defaults) {
   toml::table root;
   try {
     root = toml::parse(toml_text, file);
@@ -130,7 +183,7 @@ Profile parse_profile(std::string_view toml_text, const std::string& file) {
                        "; write `key = value` lines below [table] headings");
   }
   const std::vector<Key> keys = all_keys();
-  Profile profile;
+  Profile profile = defaults;
   for (auto&& [table_key, table_node] : root) {
     const std::string table{table_key.str()};
     const std::string known = names(keys, table);
@@ -155,7 +208,7 @@ Profile parse_profile(std::string_view toml_text, const std::string& file) {
   return profile;
 }
 
-Profile read_profile(const std::string& file) {
+Profile read_profile(const std::string& file, const Profile& defaults) {
   std::ifstream in;
   if (std::filesystem::is_regular_file(file)) in.open(file, std::ios::binary);
   if (!in.is_open()) {
@@ -163,7 +216,7 @@ Profile read_profile(const std::string& file) {
         file + ": this configuration file cannot be read; name one that exists, or leave --config out");
   }
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  return parse_profile(text, file);
+  return parse_profile(text, file, defaults);
 }
 
 }  // namespace sonoband

@@ -25,17 +25,33 @@ struct Profile {
     // Scanner and grabber against tracker, from temporal calibration: 50 to 300. Empty: what the board itself
     // knows (a simulation does), else 0.
     std::optional<double> latency_ms;
+    // Of the boards with a grabber. A device file (a link below /dev/v4l/by-id stays with its grabber), or
+    // "auto" for the first that streams pictures; and the size of the whole captured picture.
+    std::string device = "auto";
+    std::array<int, 2> size_px{1920, 1080};
   } capture;
 
   struct Tracking {
     double gap_ms = 50;    // poses farther apart than this are not bridged
     double wait_ms = 100;  // how long a frame waits for the pose after it
+    // Of the boards with a tracker on USB.
+    int station = 1;                            // where the probe's sensor is plugged in
+    int rate_hz = 240;                          // 120 or 240; a PATRIOT always gives 60
+    std::array<double, 3> hemisphere{1, 0, 0};  // from the source towards the couch
   } tracking;
 
   struct Pedal {
     PedalMode mode = PedalMode::hold;
     double debounce_ms = 25;
     double stuck_s = 120;  // a pedal down for longer is taken for stuck and released
+    // Of the boards with a pedal: on GPIO lines (by the device tree's names) or on USB (by key names).
+    std::string wired = "gpio";         // gpio or usb
+    std::string device = "auto";        // of a USB pedal: its event device file, or the first known pedal
+    std::string pin = "FOOTSWITCH_NO";  // the record pedal's contact that closes
+    std::string opening_pin;            // its contact that opens (NC), which shows a cut wire; empty: none
+    std::string second_pin;             // a second pedal's; empty: none
+    bool active_low = true;             // a closed contact pulls its line to ground
+    std::string bias = "as-is";         // as-is, pull-up, pull-down or off
   } pedal;
 
   struct Ring {
@@ -63,7 +79,11 @@ class ProfileError : public std::runtime_error {
 
 // Reads TOML text over the defaults. `file` names it in sentences. Throws ProfileError for text that is no
 // TOML, a key that does not exist, a value of the wrong type or out of its range.
-Profile parse_profile(std::string_view toml_text, const std::string& file);
-Profile read_profile(const std::string& file);
+Profile parse_profile(std::string_view toml_text, const std::string& file, const Profile& defaults = {});
+Profile read_profile(const std::string& file, const Profile& defaults = {});
+
+// The profile a board comes with (board/profiles/NAME.toml): sim, replay, cart, raspberrypi, virtual. Empty
+// for any other name.
+std::optional<Profile> board_profile(std::string_view board);
 
 }  // namespace sonoband

@@ -37,6 +37,13 @@ struct SimParts {
 
 }  // namespace
 
+BoardCalibration scene_calibration(const Profile& profile) {
+  const sim::SimulatedScene scene = scene_of(profile);
+  return {.probe_from_image = scene.probe_from_image,
+          .mask = sim::body_mask(scene.scanner),
+          .latency_offset = scene.scanner_latency - tracker_latency};
+}
+
 BoardDevices make_sim_board(const Profile& profile, Clock& clock) {
   auto parts = std::make_shared<SimParts>();
   parts->scene = scene_of(profile);

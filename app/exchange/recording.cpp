@@ -86,4 +86,13 @@ ReplayMaterial replay_material(ReadSequence&& read, const PlusConfig& config, co
   return material;
 }
 
+Affine<frame::Probe, frame::Image> probe_from_image(const PlusConfig& config, const std::string& file) {
+  TransformGraph graph;
+  graph.add(config.transforms);
+  const auto found = graph.find("Probe", "Image");
+  if (!found || !found->ok)
+    throw BadInput(file + ": no transform leads from Image to Probe; calibrate, or name another file.");
+  return {found->to_from_from.topLeftCorner<3, 3>(), found->to_from_from.topRightCorner<3, 1>()};
+}
+
 }  // namespace sonoband::exchange

@@ -24,4 +24,8 @@ struct ReplayMaterial {
 // as sweep_from_sequence does. Throws BadInput.
 ReplayMaterial replay_material(ReadSequence&& read, const PlusConfig& config, const std::string& file);
 
+// The calibration of a cart, from its configuration alone. Throws BadInput naming `file` if no transform
+// leads from Image to Probe.
+Affine<frame::Probe, frame::Image> probe_from_image(const PlusConfig& config, const std::string& file);
+
 }  // namespace sonoband::exchange

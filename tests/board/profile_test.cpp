@@ -64,11 +64,59 @@ seed = 7
   EXPECT_EQ(p.simulation.seed, 7);
 }
 
+TEST(Profile, TakesTheKeysOfRealDevices) {
+  const Profile p = parse_profile(R"(
+[capture]
+device = "/dev/v4l/by-id/grabber"
+size-px = [1280, 720]
+[tracking]
+station = 2
+rate-hz = 120
+hemisphere = [0, 0, -1]
+[pedal]
+wired = "usb"
+device = "/dev/input/by-id/pedal"
+pin = "KEY_A"
+opening-pin = "KEY_B"
+second-pin = "KEY_C"
+active-low = false
+bias = "pull-up"
+)",
+                                  "cart.toml");
+  EXPECT_EQ(p.capture.device, "/dev/v4l/by-id/grabber");
+  EXPECT_EQ(p.capture.size_px, (std::array<int, 2>{1280, 720}));
+  EXPECT_EQ(p.tracking.station, 2);
+  EXPECT_EQ(p.tracking.rate_hz, 120);
+  EXPECT_EQ(p.tracking.hemisphere, (std::array<double, 3>{0, 0, -1}));
+  EXPECT_EQ(p.pedal.wired, "usb");
+  EXPECT_EQ(p.pedal.device, "/dev/input/by-id/pedal");
+  EXPECT_EQ(p.pedal.pin, "KEY_A");
+  EXPECT_EQ(p.pedal.opening_pin, "KEY_B");
+  EXPECT_EQ(p.pedal.second_pin, "KEY_C");
+  EXPECT_FALSE(p.pedal.active_low);
+  EXPECT_EQ(p.pedal.bias, "pull-up");
+  EXPECT_EQ(refusal("[tracking]\nrate-hz = 60\n"), "cart.toml:2: tracking.rate-hz must be 120 or 240");
+  EXPECT_NE(refusal("[tracking]\nhemisphere = [0, 0, 0]\n"), "accepted");
+  EXPECT_NE(refusal("[pedal]\nactive-low = 1\n"), "accepted");
+  EXPECT_NE(refusal("[capture]\nsize-px = [0, 480]\n"), "accepted");
+}
+
+TEST(Profile, EveryBoardHasOneAndAMachinesOwnGoesOverIt) {
+  for (const char* board : {"sim", "replay", "cart", "raspberrypi", "virtual"})
+    EXPECT_TRUE(board_profile(board)) << board;
+  EXPECT_FALSE(board_profile("toaster"));
+  EXPECT_EQ(board_profile("raspberrypi")->pedal.opening_pin, "GPIO27");
+  const Profile own = parse_profile("[pedal]\npin = \"GPIO5\"\n", "own.toml", *board_profile("raspberrypi"));
+  EXPECT_EQ(own.pedal.pin, "GPIO5");
+  EXPECT_EQ(own.pedal.opening_pin, "GPIO27");
+}
+
 TEST(Profile, RefusalsNameFileLineAndCure) {
   EXPECT_EQ(refusal("[pedal]\nmode = \"push\"\n"),
             "cart.toml:2: pedal.mode must be one of \"hold\" \"toggle\"");
   EXPECT_EQ(refusal("[pedal]\n\ndebounce = 3\n"),
-            "cart.toml:3: [pedal] has no key debounce; it has mode, debounce-ms, stuck-s");
+            "cart.toml:3: [pedal] has no key debounce; it has wired, device, pin, opening-pin, second-pin, "
+            "active-low, bias, mode, debounce-ms, stuck-s");
   EXPECT_EQ(refusal("[ring]\nframes = 3\n"),
             "cart.toml:2: ring.frames must be a whole number from 16 to 100000");
   EXPECT_EQ(refusal("[ring]\nframes = 30.5\n"),

@@ -1,0 +1,29 @@
+# What is installed, and the Debian package made of it by cpack.
+install(TARGETS sonoband sonoband-tool RUNTIME DESTINATION bin)
+install(FILES ${CMAKE_SOURCE_DIR}/board/udev/70-sonoband.rules DESTINATION lib/udev/rules.d)
+install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service DESTINATION lib/systemd/system)
+install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example ${CMAKE_SOURCE_DIR}/LICENSE
+  DESTINATION share/doc/sonoband)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/board/profiles ${CMAKE_SOURCE_DIR}/board/raspberrypi DESTINATION share/sonoband)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME sonoband)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "The Sonoband developers <sonoband@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "freehand 3D ultrasound without voxels, at the cart")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+  ${CMAKE_SOURCE_DIR}/board/debian/postinst ${CMAKE_SOURCE_DIR}/board/debian/prerm ${CMAKE_SOURCE_DIR}/board/debian/postrm)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, fonts-inter, fonts-font-awesome, fxload")
+if(CMAKE_CROSSCOMPILING)
+  # dpkg-shlibdeps would have to know the target's packages: tools/package fills the libraries in.
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
+  set(CPACK_STRIP_FILES OFF)
+else()
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+endif()
+include(CPack)
