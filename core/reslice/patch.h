@@ -122,6 +122,8 @@ struct LinearSide {
 // The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
 // sets give the same bits.
 struct PatchKernels {
+  std::int64_t target = 0;  // Highway's bit of the instruction set
+
   // Fills `lanes`, `least` and `greatest` for `per_sample` and `per_row`.
   void (*lay_lanes)(const LaneGrid& grid, ChainBoundary& boundary);
 

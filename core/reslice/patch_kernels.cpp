@@ -296,9 +296,9 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{lay_lanes,  thresholds, take_chain, lane_positions, split_positions,
-                                        hold,       half_space, inside,     take,           blend,
-                                        taps_inside};
+  static constexpr PatchKernels kernels{HWY_TARGET,      lay_lanes,  thresholds, take_chain, lane_positions,
+                                        split_positions, hold,       half_space, inside,     take,
+                                        blend,           taps_inside};
   return kernels;
 }
 
