@@ -5,6 +5,7 @@
 
 #include "core/reslice/band_painter.h"
 #include "core/reslice/plain_painter.h"
+#include "core/reslice/ruling_painter.h"
 
 namespace sonoband {
 namespace {
@@ -97,13 +98,8 @@ BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderS
     return image;
   }
   const std::vector<int> all = all_frames(table);
-  const int across = (bundle.samples + patch_lanes - 1) / patch_lanes;
-  const int down = (bundle.rows + block_rows - 1) / block_rows;
-  parallel.for_each(across * down, [&](int block) {
-    BandPainter painter(table, settings, image, stop);
-    const int first = block / across * block_rows;
-    painter.paint_lines(bundle, all, block % across * patch_lanes, first,
-                        std::min(first + block_rows, bundle.rows));
+  parallel.for_each((bundle.rows + rulings_in_turn - 1) / rulings_in_turn, [&](int block) {
+    RulingPainter(table, bundle, settings, image, stop).paint(all, block * rulings_in_turn);
   });
   return image;
 }

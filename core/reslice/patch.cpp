@@ -21,11 +21,6 @@ LaneGrid lane_grid(LaneShape shape) {
   return grid;
 }
 
-FixedPx fixed_position(double foot_px) {
-  // Two sums of numbers cut off after 16 bits fall short by less than 2^-15 pixel.
-  return std::llround((foot_px + 0.5 + 1.0 / 32768) * fixed_per_px);
-}
-
 bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row) {
   const double px = (mm_per_sample + mm_per_row) * (patch_lanes - 1);
   return frame.width <= most_px && frame.height <= most_px && frame.x_px.gradient.norm() * px <= most_px &&

@@ -110,6 +110,25 @@ struct ChainFrame {
   }
 };
 
+// What a frame gives to a layer of eight lines that follow no lattice; lane k is sample k % 8 of line k / 8.
+struct RulingLayer {
+  int layer = 0;
+  int feet = 0;                              // where x and y come from
+  LaneMask lanes = 0;                        // of lines that exist
+  const FixedPx *x = nullptr, *y = nullptr;  // of each line's first sample; aligned to 64 bytes
+  FixedPx least_x = 0, greatest_x = 0, least_y = 0, greatest_y = 0;  // of them
+  // Per line the sample where the condition changes; null: it holds throughout (from), or never (to).
+  const std::int16_t *from = nullptr, *to = nullptr;
+};
+
+// A frame's cell: its layers, and how conditions change along the lines (holding from there on, or up to it).
+struct RulingCell {
+  const PatchFrame* frame = nullptr;  // of shape 8 x 8 with all rows at lane offset 0
+  FixedPx x_per_sample = 0, y_per_sample = 0;
+  int first = 0, last = 0;  // of the layers
+  bool from_rising = true, to_rising = true;
+};
+
 // One of two frames to blend: feet (not positions) and distances at lane 0 of each layer.
 struct LinearSide {
   const PatchFrame* frame = nullptr;
@@ -159,6 +178,10 @@ struct PatchKernels {
   void (*take)(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
                Rule rule, PatchSums& sums);
 
+  // Compounds samples sample .. sample + 7 of eight lines: where `from` holds and `to` does not.
+  void (*take_rulings)(const RulingCell* cells, int count, const RulingLayer* layers, int sample,
+                       LaneMask lanes, Rule rule, PatchSums& sums);
+
   // Compounds bilinear samples of two frames, blended by distance: (a |zb| + b |za|) / (|za| + |zb|), in
   // 1/256 of a level, rounded once. The z have opposite signs. Feet must lie in the pictures; taps beyond a
   // picture's edge count as the edge, which renormalised weights amount to. Grey only.
@@ -186,7 +209,11 @@ void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const Lan
 
 // The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
 // numbers never fall below a boundary they are on.
-FixedPx fixed_position(double foot_px);
+inline FixedPx fixed_position(double foot_px) {
+  // Two sums of numbers cut off after 16 bits fall short by less than 2^-15 pixel.
+  const double position = (foot_px + 0.5 + 1.0 / 32768) * fixed_per_px;
+  return static_cast<FixedPx>(position + (position < 0 ? -0.5 : 0.5));
+}
 // From that position to the foot itself, whose whole part is the upper left of its four taps.
 constexpr FixedPx foot_from_position = -((FixedPx{1} << 31) + (FixedPx{1} << 17));
 

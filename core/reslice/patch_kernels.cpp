@@ -12,6 +12,7 @@
 #include "core/reslice/patch.h"
 #include "core/reslice/patch_linear_plain-inl.h"
 #include "core/reslice/patch_plain-inl.h"
+#include "core/reslice/patch_rulings-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
 #include "core/reslice/patch_chain_vbmi-inl.h"
 #include "core/reslice/patch_linear_vbmi-inl.h"
@@ -232,6 +233,20 @@ HWY_ATTR int take_chain(const ChainFrame* frames, const ChainBoundary* boundarie
   return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
 }
 
+HWY_ATTR void take_rulings(const RulingCell* cells, int count, const RulingLayer* layers, int sample,
+                           LaneMask lanes, Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_rulings_by<Rule::maximum>(cells, count, layers, sample, lanes, sums);
+    case Rule::minimum:
+      return take_rulings_by<Rule::minimum>(cells, count, layers, sample, lanes, sums);
+    case Rule::mean_grey:
+      return take_rulings_by<Rule::mean_grey>(cells, count, layers, sample, lanes, sums);
+    case Rule::mean_doppler:
+      return take_rulings_by<Rule::mean_doppler>(cells, count, layers, sample, lanes, sums);
+  }
+}
+
 HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
                      const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
 #if HWY_TARGET == HWY_AVX3_DL
@@ -249,17 +264,14 @@ HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff
     return;
   }
 #endif
+  alignas(64) std::int32_t indices[patch_lanes];
   for (int l = 0; l < layers; ++l) {
     if (masks[l] == 0) continue;
-    const auto at_x = static_cast<std::int32_t>(x[l] >> 16), at_y = static_cast<std::int32_t>(y[l] >> 16);
+    masks[l] &= in_picture(f, x[l], y[l]);
+    if (mask == nullptr) continue;
+    pixel_indices(f, x[l], y[l], mask_stride, indices);
     LaneMask kept = 0;
-    for (int k = 0; k < patch_lanes; ++k) {
-      const std::int32_t px = (at_x + f.offset_x[k]) >> 16, py = (at_y + f.offset_y[k]) >> 16;
-      const bool in_picture = static_cast<std::uint32_t>(px) < static_cast<std::uint32_t>(f.width) &&
-                              static_cast<std::uint32_t>(py) < static_cast<std::uint32_t>(f.height);
-      const bool in_mask = in_picture && (mask == nullptr || mask[py * mask_stride + px] != 0);
-      kept |= LaneMask{in_mask} << k;
-    }
+    for (int k = 0; k < patch_lanes; ++k) kept |= LaneMask{mask[indices[k]] != 0} << k;
     masks[l] &= kept;
   }
 }
@@ -296,9 +308,9 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{HWY_TARGET,      lay_lanes,  thresholds, take_chain, lane_positions,
-                                        split_positions, hold,       half_space, inside,     take,
-                                        blend,           taps_inside};
+  static constexpr PatchKernels kernels{HWY_TARGET,      lay_lanes, thresholds, take_chain, lane_positions,
+                                        split_positions, hold,      half_space, inside,     take,
+                                        take_rulings,    blend,     taps_inside};
   return kernels;
 }
 

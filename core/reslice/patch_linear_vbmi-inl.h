@@ -131,7 +131,7 @@ class WindowTaps : TapsBase {
     if (x == left_ && y == top_) return;
     left_ = x;
     top_ = y;
-    load_window(f_.pixels + top_ * f_.stride + left_, f_.stride, window_);
+    load_rows(f_.pixels + top_ * f_.stride + left_, f_.stride, 4, window_);
   }
 
   __m512i window_[4];

@@ -43,6 +43,27 @@ HWY_ATTR inline void pixel_indices(const PatchFrame& f, FixedPx x, FixedPx y, st
   }
 }
 
+// Lanes whose pixel lies in the picture.
+HWY_ATTR inline LaneMask in_picture(const PatchFrame& f, FixedPx x, FixedPx y) {
+  const Ints d;
+  const auto at_x = hn::Set(d, static_cast<std::int32_t>(x >> 16));
+  const auto at_y = hn::Set(d, static_cast<std::int32_t>(y >> 16));
+  const auto beyond = hn::Set(d, -1), width = hn::Set(d, f.width), height = hn::Set(d, f.height);
+  LaneMask inside = 0;
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
+    const auto px = hn::ShiftRight<16>(hn::Add(at_x, hn::Load(d, f.offset_x.data() + k)));
+    const auto py = hn::ShiftRight<16>(hn::Add(at_y, hn::Load(d, f.offset_y.data() + k)));
+    const auto in = hn::And(hn::And(hn::Gt(px, beyond), hn::Lt(px, width)),
+                            hn::And(hn::Gt(py, beyond), hn::Lt(py, height)));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, in, bits);
+    LaneMask part = 0;
+    for (std::size_t i = 0; i < (hn::Lanes(d) + 7) / 8; ++i) part |= LaneMask{bits[i]} << (8 * i);
+    inside |= part << k;
+  }
+  return inside;
+}
+
 HWY_ATTR inline void fetch_single(const PatchFrame& f, FixedPx x, FixedPx y, std::uint8_t* values) {
   alignas(64) std::int32_t indices[patch_lanes];
   pixel_indices(f, x, y, f.stride, indices);

@@ -136,16 +136,25 @@ class RowsFetch {
   __m512i column_, row_;
 };
 
-// 16 x 16 pixels into four registers of four rows.
-HWY_ATTR HWY_INLINE void load_window(const std::uint8_t* from, std::ptrdiff_t stride, __m512i* window) {
+// Four rows of 16 pixels into a register.
+HWY_ATTR HWY_INLINE __m512i load_quarter(const std::uint8_t* from, std::ptrdiff_t stride) {
   const auto sixteen = [](const std::uint8_t* row)
                            HWY_ATTR { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row)); };
-  for (int i = 0; i < 4; ++i, from += 4 * stride) {
-    __m512i w = _mm512_castsi128_si512(sixteen(from));
-    w = _mm512_mask_broadcast_i32x4(w, 0x00f0, sixteen(from + stride));
-    w = _mm512_mask_broadcast_i32x4(w, 0x0f00, sixteen(from + 2 * stride));
-    window[i] = _mm512_mask_broadcast_i32x4(w, 0xf000, sixteen(from + 3 * stride));
-  }
+  // Two pairs, so that neither waits for the other.
+  const __m256i upper =
+      _mm256_inserti128_si256(_mm256_castsi128_si256(sixteen(from)), sixteen(from + stride), 1);
+  const __m256i lower = _mm256_inserti128_si256(_mm256_castsi128_si256(sixteen(from + 2 * stride)),
+                                                sixteen(from + 3 * stride), 1);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(upper), lower, 1);
+}
+
+// 16 x 4 quarters pixels into as many registers.
+HWY_ATTR HWY_INLINE void load_rows(const std::uint8_t* from, std::ptrdiff_t stride, int quarters,
+                                   __m512i* window) {
+  window[0] = load_quarter(from, stride);
+  if (quarters > 1) window[1] = load_quarter(from + 4 * stride, stride);
+  if (quarters > 2) window[2] = load_quarter(from + 8 * stride, stride);
+  if (quarters > 3) window[3] = load_quarter(from + 12 * stride, stride);
 }
 
 // Lanes within 16 x 16 pixels, which stay in four registers while the layers move within them.
@@ -195,7 +204,7 @@ class WindowFetch {
     if (x == left_ && y == top_) return;
     left_ = x;
     top_ = y;
-    load_window(pixels_ + top_ * stride_ + left_, stride_, window_);
+    load_rows(pixels_ + top_ * stride_ + left_, stride_, 4, window_);
   }
 
   const std::uint8_t* pixels_;

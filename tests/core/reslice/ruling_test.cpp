@@ -1,0 +1,95 @@
+// Curved bundles of lines through a sweep like a hand's: the kernel against the definition, and every
+// instruction set against the others.
+#define HWY_WANT_AVX3_DL 1  // as core/reslice/patch_kernels.cpp is compiled
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include <cmath>
+
+#include "core/reslice/patch.h"
+#include "tests/core/reslice/compare.h"
+#include "tests/core/reslice/reference.h"
+#include "tests/support/speed_sweep.h"
+
+namespace sonoband {
+namespace {
+
+test::TestSweep hand_sweep() {
+  test::SpeedSweepOptions options;
+  options.frames = 40;
+  options.width = 100;
+  options.height = 90;
+  options.length_mm = 20;
+  return test::speed_sweep(options);
+}
+
+// Lines along `along` through an arc of 30 mm radius in the plane of `across` and `deep`, layers beside it.
+LineBundle arc(const Eigen::Vector3d& along, const Eigen::Vector3d& across, const Eigen::Vector3d& deep,
+               bool gaps) {
+  constexpr double mm = 0.2, radius_mm = 30;
+  LineBundle bundle;
+  bundle.samples = 75;
+  bundle.rows = 61;
+  bundle.layers = 19;
+  bundle.step = {mm * along};
+  const Eigen::Vector3d middle(0, 9, 10);
+  for (int row = 0; row < bundle.rows; ++row) {
+    const double angle = (row - 30) * mm / radius_mm;
+    for (int l = 0; l < bundle.layers; ++l) {
+      const double r = radius_mm + (l - 9) * mm;
+      bundle.starts.push_back({middle + r * std::sin(angle) * across +
+                               (r * std::cos(angle) - radius_mm) * deep - 37.3 * mm * along});
+      if (gaps) bundle.present.push_back((row + l) % 7 == 0 ? 0 : 1);
+    }
+  }
+  return bundle;
+}
+
+std::vector<LineBundle> arcs() {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d slant = (x + z).normalized(), beside = (x - z).normalized();
+  return {arc(y, x, z, false),  arc(-y, z, x, true),         arc(z, y, x, false),
+          arc(-x, z, y, false), arc(slant, beside, y, true), arc(-y, slant, beside, false)};
+}
+
+TEST(CurvedBundle, NearestEqualsTheDefinitionButForTies) {
+  const test::TestSweep sweep = hand_sweep();
+  Serial serial;
+  test::Difference sum;
+  for (const LineBundle& bundle : arcs()) {
+    for (const auto how : {Compounding::maximum, Compounding::minimum, Compounding::mean}) {
+      RenderSettings settings;
+      settings.compounding = how;
+      const test::Difference d = test::compare(render_lines(sweep.view(), bundle, settings, serial),
+                                               test::reference_lines(sweep.view(), bundle, settings));
+      EXPECT_GE(d.equal_share(), 0.998) << d.unequal << " of " << d.pixels;
+      sum.pixels += d.pixels;
+      sum.unequal += d.unequal;
+    }
+  }
+  EXPECT_GE(sum.equal_share(), 0.999) << sum.unequal << " of " << sum.pixels;
+}
+
+TEST(CurvedBundle, EveryInstructionSetPaintsTheSame) {
+  const test::TestSweep sweep = hand_sweep();
+  Serial serial;
+  const auto choose = [](std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  };
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    for (const LineBundle& bundle : arcs()) {
+      RenderSettings settings;
+      const BandImage best = render_lines(sweep.view(), bundle, settings, serial);
+      choose(target);
+      EXPECT_EQ(patch_kernels().target, target);
+      const BandImage image = render_lines(sweep.view(), bundle, settings, serial);
+      choose(0);
+      EXPECT_GE(test::compare(best, image).equal_share(), 0.999) << hwy::TargetName(target);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sonoband
