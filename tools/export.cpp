@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "app/exam/exam_reader.h"
+#include "app/exchange/exam_dicom.h"
 #include "app/exchange/exam_sequence.h"
 #include "app/exchange/png.h"
 #include "app/exchange/sequence_file.h"
@@ -23,6 +24,7 @@ struct Options {
   fs::path to;
   std::string format = "mha";
   std::int64_t sweep = 0;
+  bool with_label = false;
 };
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -58,12 +60,26 @@ void write_pictures(const exchange::ExportedSweep& sweep, const fs::path& stem, 
   }
 }
 
+void export_dicom(const Options& options, const exam::ExamReader& exam) {
+  WorkProgress progress("exporting " + options.exam);
+  const exchange::DicomExport made =
+      exchange::dicom_from_exam(exam, options.sweep, options.with_label, options.to, std::ref(progress));
+  for (const fs::path& file : made.files) std::printf("%s\n", file.c_str());
+  if (made.files.empty()) throw BadInput(options.exam + ": there is nothing in it to export");
+  if (!made.damage.empty())
+    throw BadInput(options.exam + ": exported without what is damaged: " + made.damage.front());
+}
+
 void export_exam(const Options& options) {
   const fs::path file = find_exam(options.exam, options.folder);
   const exam::ExamReader exam(file);
   std::error_code error;
   fs::create_directories(options.to, error);
   if (error) throw BadInput(options.to.string() + ": cannot be made: " + error.message());
+  if (options.format == "dicom") {
+    export_dicom(options, exam);
+    return;
+  }
   int written = 0;
   std::vector<std::string> damage;
   for (const exam::SweepSummary& summary : exam.sweeps()) {
@@ -112,11 +128,12 @@ void add_export(CLI::App& tool) {
       ->default_val(exam::default_exam_folder());
   verb->add_option("--to", options->to, "Folder to write into")->required();
   verb->add_option("--format", options->format,
-                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), or png: one picture a frame")
-      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "png"}))
+                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), dicom, or png: one picture a frame")
+      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "dicom", "png"}))
       ->capture_default_str();
   verb->add_option("--sweep", options->sweep, "Only this one, from 1 (default: all)")
       ->check(CLI::PositiveNumber);
+  verb->add_flag("--with-label", options->with_label, "DICOM: write the patient's label as name and id");
   verb->callback([options] { on_exams([&] { export_exam(*options); }); });
 }
 

@@ -20,6 +20,7 @@ int run_tool(int argc, const char* const* argv) {
   add_export(tool);
   add_import(tool);
   add_verify(tool);
+  add_send(tool);
   try {
     tool.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

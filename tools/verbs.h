@@ -19,6 +19,7 @@ void add_exams(CLI::App& tool);
 void add_export(CLI::App& tool);
 void add_import(CLI::App& tool);
 void add_verify(CLI::App& tool);
+void add_send(CLI::App& tool);
 
 // The whole program: 0 success, 1 bad input, 2 wrong usage.
 int run_tool(int argc, const char* const* argv);

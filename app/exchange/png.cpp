@@ -150,10 +150,14 @@ void write_png(const PngPicture& picture, const std::filesystem::path& path) {
 PngPicture read_png(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadInput(fmt::format("{}: cannot be opened; check the name.", path.string()));
+  return read_png(in, path.string());
+}
+
+PngPicture read_png(std::istream& in, const std::string& name) {
   PngTrouble trouble;
   const Reader r(trouble);
   const auto refuse_damage = [&] {
-    throw BadInput(fmt::format("{}: {}; write or export the picture again.", path.string(), trouble.message));
+    throw BadInput(fmt::format("{}: {}; write or export the picture again.", name, trouble.message));
   };
   png_set_user_limits(r.png, max_side_px, max_side_px);
   png_set_read_fn(r.png, &in, on_read);
@@ -162,8 +166,7 @@ PngPicture read_png(const std::filesystem::path& path) {
   if (png_get_bit_depth(r.png, r.info) != 8 ||
       (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_RGB) ||
       png_get_interlace_type(r.png, r.info) != PNG_INTERLACE_NONE)
-    throw BadInput(
-        fmt::format("{}: only plain 8-bit grey and RGB are read; export the picture so.", path.string()));
+    throw BadInput(fmt::format("{}: only plain 8-bit grey and RGB are read; export the picture so.", name));
   PngPicture picture{.width = static_cast<int>(png_get_image_width(r.png, r.info)),
                      .height = static_cast<int>(png_get_image_height(r.png, r.info)),
                      .channels = colour == PNG_COLOR_TYPE_RGB ? 3 : 1,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <istream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,5 +36,6 @@ void write_png(const PngPicture& picture, const std::filesystem::path& path);
 
 // Eight-bit grey or RGB, each side up to 65 535. Throws BadInput.
 PngPicture read_png(const std::filesystem::path& path);
+PngPicture read_png(std::istream& in, const std::string& name);
 
 }  // namespace sonoband::exchange
