@@ -21,6 +21,7 @@ int run_tool(int argc, const char* const* argv) {
   add_import(tool);
   add_verify(tool);
   add_send(tool);
+  add_serve(tool);
   try {
     tool.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -20,6 +20,7 @@ void add_export(CLI::App& tool);
 void add_import(CLI::App& tool);
 void add_verify(CLI::App& tool);
 void add_send(CLI::App& tool);
+void add_serve(CLI::App& tool);
 
 // The whole program: 0 success, 1 bad input, 2 wrong usage.
 int run_tool(int argc, const char* const* argv);

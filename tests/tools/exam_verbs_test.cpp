@@ -1,8 +1,13 @@
 // exams, export, import and verify on an exam whose every pixel is known.
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <thread>
 
 #include "app/cart_on_board.h"
 #include "app/exam/exam_writer.h"
@@ -224,6 +229,37 @@ TEST_F(ExamVerbs, WritesPictures) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(std::filesystem::exists(path("png/20260102-030405-beef-sweep1-00023.png")));
   EXPECT_EQ(run_tool({"export", file, "--to", path("png"), "--sweep", "9"}).exit_code, 1);
+}
+
+TEST_F(ExamVerbs, ServesASweepOverOpenIGTLink) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
+  ::bind(probe, reinterpret_cast<sockaddr*>(&address), size);
+  ::getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(probe);
+  ToolRun served;
+  std::thread server([&] {
+    served = run_tool({"serve", file, "--igtl", std::to_string(ntohs(address.sin_port)), "--for", "0.6"});
+  });
+  std::string got;
+  for (int i = 0; i < 100 && got.find("IMAGE") == std::string::npos; ++i) {
+    const int s = ::socket(AF_INET, SOCK_STREAM, 0);
+    if (::connect(s, reinterpret_cast<sockaddr*>(&address), size) == 0) {
+      char bytes[4096];
+      for (ssize_t n; got.size() < 20000 && (n = ::recv(s, bytes, sizeof bytes, 0)) > 0;)
+        got.append(bytes, static_cast<std::size_t>(n));
+    }
+    ::close(s);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  server.join();
+  EXPECT_EQ(served.exit_code, 0) << served.err;
+  EXPECT_NE(got.find("STATUS"), std::string::npos);
+  EXPECT_NE(got.find("ImageToTracker"), std::string::npos);
+  EXPECT_NE(got.find("IMAGE"), std::string::npos);
 }
 
 TEST_F(ExamVerbs, TheSpineRecordingGoesInAndOut) {
