@@ -148,6 +148,8 @@ void put_common(Writer& w, const DicomStudy& study, const Object& o) {
   w.text(DCM_SeriesDescription, plain(o.description, 64));
   w.text(DCM_SeriesDate, made.date);
   w.text(DCM_SeriesTime, made.time);
+  // Empty: nobody has said which body part this is.
+  w.text(DCM_Laterality, "");
 
   w.text(DCM_Manufacturer, "Sonoband");
   w.text(DCM_ManufacturerModelName, plain(study.equipment.empty() ? "Sonoband" : study.equipment, 64));
