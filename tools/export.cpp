@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/exam/exam_reader.h"
 #include "app/exchange/exam_dicom.h"
 #include "app/exchange/exam_sequence.h"
+#include "app/exchange/markups.h"
 #include "app/exchange/png.h"
 #include "app/exchange/sequence_file.h"
 #include "app/exchange/stradwin.h"
@@ -70,16 +72,37 @@ void export_dicom(const Options& options, const exam::ExamReader& exam) {
     throw BadInput(options.exam + ": exported without what is damaged: " + made.damage.front());
 }
 
+// What review made: for Slicer, and every object in force with its JSON as it is.
+void export_review(const Options& options, const exam::ExamReader& exam, const std::string& id) {
+  std::vector<std::string> damage;
+  const std::vector<exam::ReviewObject> objects = exam.review(damage);
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const exam::ReviewObject& o : objects)
+    all.push_back({{"object", o.object},
+                   {"kind", exam::name_of(o.kind)},
+                   {"version", o.version},
+                   {"holds", nlohmann::ordered_json::parse(o.json, nullptr, false)}});
+  const auto write = [&](const fs::path& path, const std::string& text) {
+    write_text(path, text);
+    std::printf("%s\n", path.c_str());
+  };
+  write(options.to / (id + "-review.json"),
+        nlohmann::ordered_json({{"exam", id}, {"review", all}})
+                .dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+            "\n");
+  if (const std::string markups = exchange::slicer_markups(objects); !markups.empty())
+    write(options.to / (id + ".mrk.json"), markups);
+  if (!damage.empty()) throw BadInput(options.exam + ": exported without what is damaged: " + damage.front());
+}
+
 void export_exam(const Options& options) {
   const fs::path file = find_exam(options.exam, options.folder);
   const exam::ExamReader exam(file);
   std::error_code error;
   fs::create_directories(options.to, error);
   if (error) throw BadInput(options.to.string() + ": cannot be made: " + error.message());
-  if (options.format == "dicom") {
-    export_dicom(options, exam);
-    return;
-  }
+  if (options.format == "dicom") return export_dicom(options, exam);
+  if (options.format == "review") return export_review(options, exam, file.stem().string());
   int written = 0;
   std::vector<std::string> damage;
   for (const exam::SweepSummary& summary : exam.sweeps()) {
@@ -128,8 +151,9 @@ void add_export(CLI::App& tool) {
       ->default_val(exam::default_exam_folder());
   verb->add_option("--to", options->to, "Folder to write into")->required();
   verb->add_option("--format", options->format,
-                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), dicom, or png: one picture a frame")
-      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "dicom", "png"}))
+                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), dicom, png: one picture a frame, or "
+                   "review: landmarks, contours and the like as JSON and for Slicer (.mrk.json)")
+      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "dicom", "png", "review"}))
       ->capture_default_str();
   verb->add_option("--sweep", options->sweep, "Only this one, from 1 (default: all)")
       ->check(CLI::PositiveNumber);

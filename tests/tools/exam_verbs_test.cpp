@@ -224,6 +224,23 @@ TEST_F(ExamVerbs, VerifyNamesThePlaceOfDamage) {
   EXPECT_TRUE(std::filesystem::exists(path("rest/20270101-000000-0000-sweep1.igs.mha")));
 }
 
+TEST_F(ExamVerbs, WritesWhatReviewMade) {
+  {
+    exam::ExamWriter writer = exam::ExamWriter::open(file);
+    writer.add_review({.object = "l1",
+                       .kind = exam::ReviewKind::landmark,
+                       .json = R"({"label":"apex","position_mm":[1,2,3]})",
+                       .png = {}});
+    writer.close();
+  }
+  const ToolRun run = run_tool({"export", file, "--to", path("review"), "--format", "review"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::ifstream ours(path("review/20260102-030405-beef-review.json"));
+  EXPECT_EQ(nlohmann::json::parse(ours)["review"][0]["holds"]["label"], "apex");
+  std::ifstream slicer(path("review/20260102-030405-beef.mrk.json"));
+  EXPECT_EQ(nlohmann::json::parse(slicer)["markups"][0]["controlPoints"][0]["label"], "apex");
+}
+
 TEST_F(ExamVerbs, WritesPictures) {
   const ToolRun run = run_tool({"export", file, "--to", path("png"), "--format", "png", "--sweep", "1"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
