@@ -56,6 +56,9 @@ struct RenderSettings {
   Compounding compounding = Compounding::maximum;
   Interpolation interpolation = Interpolation::nearest;
   GapLimit gap;
+  // Leaves out frames that lie denser than the output can show, by the rule of `thinned`; off for bit-exact
+  // work.
+  bool thin_dense_frames = false;
 };
 
 // A result. coverage(x, y) counts the layers that had data there; where it is 0 the pixel is 0 and means
@@ -64,6 +67,7 @@ struct BandImage {
   Pixels pixels;
   ImageBuffer<std::uint16_t> coverage;
   PixelKind kind = PixelKind::grey;
+  int frames_left_out = 0;  // by RenderSettings::thin_dense_frames
 };
 
 // Parallel, equally sampled lines: what both a plane and an unrolled surface are. Row r of the picture is
@@ -97,6 +101,13 @@ BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const R
 // of at least half a pixel's width: a probe held still for most of a sweep must not make every move a jump.
 // d is never below half a pixel's width, so that a probe held still paints.
 std::vector<double> gap_limits(const SweepView& sweep, const GapLimit& gap);
+
+// Those of sweep.frames that stay when none need be closer than `pixel_mm`: going through each sweep in order
+// of capture, a frame is left out while the next one is still within pixel_mm of the last that stayed, at
+// every corner. So a frame left out of a steady sweep lies between two that stay and are at most a pixel
+// apart, and a sample's position moves by at most half a pixel across the frames. The first and last of a
+// sweep stay.
+std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm);
 
 // Width of one pixel in mm of the sweep's first frame: the paper's resolution cell. 0 without frames.
 double pixel_width_mm(const SweepView& sweep);

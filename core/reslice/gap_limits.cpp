@@ -64,14 +64,37 @@ void automatic_limits(const SweepView& sweep, const std::vector<int>& of_sweep, 
   }
 }
 
+// Indices into frames, sweep by sweep, in order of capture.
+std::map<std::int32_t, std::vector<int>> by_sweep(const SweepView& sweep) {
+  std::map<std::int32_t, std::vector<int>> sweeps;
+  for (const int i : capture_order(sweep)) sweeps[sweep.frames[i]->sweep_id].push_back(i);
+  return sweeps;
+}
+
 }  // namespace
+
+std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm) {
+  std::vector<const TrackedFrame*> kept;
+  for (const auto& [id, of_sweep] : by_sweep(sweep)) {
+    const TrackedFrame* last_kept = nullptr;
+    for (std::size_t i = 0; i < of_sweep.size(); ++i) {
+      const TrackedFrame* frame = sweep.frames[of_sweep[i]];
+      const bool last = i + 1 == of_sweep.size();
+      if (last_kept != nullptr && !last &&
+          corner_distance_mm(*last_kept, *sweep.frames[of_sweep[i + 1]]) <= pixel_mm) {
+        continue;
+      }
+      kept.push_back(frame);
+      last_kept = frame;
+    }
+  }
+  return kept;
+}
 
 std::vector<double> gap_limits(const SweepView& sweep, const GapLimit& gap) {
   std::vector<double> limits(sweep.frames.size(), gap.mm.value_or(0.0));
   if (gap.mm) return limits;
-  std::map<std::int32_t, std::vector<int>> by_sweep;
-  for (const int i : capture_order(sweep)) by_sweep[sweep.frames[i]->sweep_id].push_back(i);
-  for (const auto& [id, of_sweep] : by_sweep) automatic_limits(sweep, of_sweep, limits);
+  for (const auto& [id, of_sweep] : by_sweep(sweep)) automatic_limits(sweep, of_sweep, limits);
   return limits;
 }
 

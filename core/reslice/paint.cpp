@@ -45,6 +45,17 @@ LineBundle lines_of(const Lattice& lattice) {
   return bundle;
 }
 
+// Paints with the sweep's frames, or with those that stay when thinned.
+template <class Paint>
+BandImage with_frames(const SweepView& sweep, const RenderSettings& settings, double pixel_mm,
+                      Paint paint_table) {
+  if (!settings.thin_dense_frames) return paint_table(make_frame_table(sweep, settings.gap));
+  const std::vector<const TrackedFrame*> kept = thinned(sweep, pixel_mm);
+  BandImage image = paint_table(make_frame_table({kept, sweep.mask}, settings.gap));
+  image.frames_left_out = static_cast<int>(sweep.frames.size() - kept.size());
+  return image;
+}
+
 }  // namespace
 
 LineBundle plane_lines(const ReslicePlane& plane, const Band& band) {
@@ -106,13 +117,17 @@ BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderS
 
 BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                        Parallel& parallel) {
-  return paint(make_frame_table(sweep, settings.gap), bundle, settings, parallel, nullptr);
+  const double pixel_mm = bundle.step.v.norm();
+  return with_frames(sweep, settings, pixel_mm, [&](const FrameTable& table) {
+    return paint(table, bundle, settings, parallel, nullptr);
+  });
 }
 
 BandImage render_planar(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                         Parallel& parallel) {
-  return paint(make_frame_table(sweep, settings.gap), plane_lattice(plane, settings.band), settings, parallel,
-               nullptr);
+  return with_frames(sweep, settings, plane.pixel_mm, [&](const FrameTable& table) {
+    return paint(table, plane_lattice(plane, settings.band), settings, parallel, nullptr);
+  });
 }
 
 }  // namespace sonoband

@@ -22,18 +22,42 @@ const FrameTable& PreparedSweep::prepare() {
   table_ = std::make_unique<FrameTable>(make_frame_table({frames_, {}}, gap_));
   table_->mask = mask_;
   table_->mask_sums = std::move(sums);
+  thinned_table_.reset();
   stale_ = false;
   return *table_;
 }
 
+const FrameTable& PreparedSweep::prepare_thinned(double pixel_mm) {
+  prepare();
+  if (thinned_table_ && thinned_pixel_mm_ == pixel_mm) return *thinned_table_;
+  const std::vector<const TrackedFrame*> kept = thinned(view(), pixel_mm);
+  thinned_table_ = std::make_unique<FrameTable>(make_frame_table({kept, mask_}, gap_));
+  thinned_pixel_mm_ = pixel_mm;
+  return *thinned_table_;
+}
+
+namespace {
+
+template <class Surface>
+BandImage paint_prepared(PreparedSweep& sweep, const Surface& surface, const RenderSettings& settings,
+                         double pixel_mm, Parallel& parallel, const StopFlag* stop) {
+  if (!settings.thin_dense_frames) return paint(sweep.prepare(), surface, settings, parallel, stop);
+  const FrameTable& table = sweep.prepare_thinned(pixel_mm);
+  BandImage image = paint(table, surface, settings, parallel, stop);
+  image.frames_left_out = static_cast<int>(sweep.view().frames.size() - table.frames.size());
+  return image;
+}
+
+}  // namespace
+
 BandImage render_planar(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                         Parallel& parallel, const StopFlag* stop) {
-  return paint(sweep.prepare(), plane_lattice(plane, settings.band), settings, parallel, stop);
+  return paint_prepared(sweep, plane_lattice(plane, settings.band), settings, plane.pixel_mm, parallel, stop);
 }
 
 BandImage render_lines(PreparedSweep& sweep, const LineBundle& bundle, const RenderSettings& settings,
                        Parallel& parallel, const StopFlag* stop) {
-  return paint(sweep.prepare(), bundle, settings, parallel, stop);
+  return paint_prepared(sweep, bundle, settings, bundle.step.v.norm(), parallel, stop);
 }
 
 void render_progressively(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,

@@ -27,6 +27,9 @@ class PreparedSweep {
   // Brings the tables up to date after append(): 0.1 ms for 200 frames. Gap limits of all frames may change,
   // because the automatic ones rest on the median over the sweep.
   const FrameTable& prepare();
+  // The same of the frames that stay when thinned to a pixel (`thinned` in band.h); kept until the pixel
+  // changes.
+  const FrameTable& prepare_thinned(double pixel_mm);
 
   SweepView view() const { return {frames_, mask_}; }
 
@@ -35,7 +38,8 @@ class PreparedSweep {
   MaskView mask_;
   GapLimit gap_;
   bool stale_ = true;
-  std::unique_ptr<FrameTable> table_;
+  std::unique_ptr<FrameTable> table_, thinned_table_;
+  double thinned_pixel_mm_ = 0;
 };
 
 // Set by anyone at any time: painting ends before the next row of patches and the picture is incomplete.

@@ -39,7 +39,9 @@ std::size_t RollingBand::bytes() const {
 bool RollingBand::follows(const PreparedSweep& sweep, const ReslicePlane& plane,
                           const RenderSettings& settings, int& offset) const {
   if (!begun_ || sweep.view().frames.size() != frames_ || !same_picture(plane, plane_) ||
-      settings.interpolation != settings_.interpolation || settings.band.step_mm != settings_.band.step_mm) {
+      settings.interpolation != settings_.interpolation ||
+      settings.thin_dense_frames != settings_.thin_dense_frames ||
+      settings.band.step_mm != settings_.band.step_mm) {
     return false;
   }
   constexpr double off_steps = 1e-3;
@@ -97,6 +99,7 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
   paint_missing(sweep, band, parallel);
   BandImage image = compound(band, parallel);
   image.kind = kind;
+  image.frames_left_out = left_out_;
   return image;
 }
 
@@ -123,6 +126,7 @@ void RollingBand::paint_missing(PreparedSweep& sweep, const Window& band, Parall
     ReslicePlane plane = plane_;
     plane.origin = plane.origin + (i * settings_.band.step_mm) * plane_.normal();
     BandImage image = render_planar(sweep, plane, thin, parallel);
+    left_out_ = image.frames_left_out;
     layers_.emplace(i, Layer{std::move(image.pixels), {}, std::move(image.coverage)});
     ++layers_painted_;
   }

@@ -74,6 +74,7 @@ class RollingBand {
   ImageBuffer<std::uint16_t> counts_;
   ImageBuffer<std::uint32_t> sums_;
   int layers_painted_ = 0;
+  int left_out_ = 0;  // frames, by RenderSettings::thin_dense_frames
 };
 
 }  // namespace sonoband

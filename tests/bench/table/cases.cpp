@@ -82,7 +82,8 @@ Case planar(const Shared& bench, const test::NamedPlane& plane, const RenderSett
             double must_ms) {
   Case c;
   c.name = "planar " + word(settings.interpolation) + " " + word(settings.compounding) + " " + plane.name +
-           (settings.band.thickness_mm == 0 ? " thin" : "") + " N=" + std::to_string(frames);
+           (settings.band.thickness_mm == 0 ? " thin" : "") + (settings.thin_dense_frames ? " thinned" : "") +
+           " N=" + std::to_string(frames);
   c.must_ms = must_ms;
   c.begin = [=] { bench->use(frames); };
   c.ours = [=] {
@@ -113,6 +114,9 @@ void add_planar(const Shared& bench, std::vector<Case>& cases) {
     for (const auto& plane : planes) {
       for (const Interpolation how : {Interpolation::nearest, Interpolation::linear}) {
         cases.push_back(planar(bench, plane, settings_of(how, Compounding::maximum, 14), frames, 0));
+        RenderSettings thinned = settings_of(how, Compounding::maximum, 14);
+        thinned.thin_dense_frames = true;
+        cases.push_back(planar(bench, plane, thinned, frames, 0));
       }
     }
   }

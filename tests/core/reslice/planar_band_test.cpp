@@ -240,6 +240,28 @@ TEST(GapLimits, HalfTheLargestCornerDistanceAndNeverAcrossAJump) {
   EXPECT_EQ(gap_limits(sweep.view(), {0.7}), std::vector<double>(7, 0.7));
 }
 
+TEST(PlanarBand, ThinningLeavesFramesAtMostAPixelApart) {
+  // 0.05 mm apart; a pixel of 0.25 mm holds 5 gaps.
+  const TestSweep sweep = stack(
+      41, 0.05, [](int, int, const Eigen::Vector3d& p) { return static_cast<std::uint8_t>(100 * p.z()); });
+  const std::vector<const TrackedFrame*> kept = thinned(sweep.view(), pixel);
+  ASSERT_EQ(kept.size(), 9U);
+  EXPECT_EQ(kept.back(), sweep.view().frames.back());
+  for (std::size_t i = 1; i < kept.size(); ++i) {
+    EXPECT_LE(kept[i]->world_from_image.translation.z() - kept[i - 1]->world_from_image.translation.z(),
+              pixel + 1e-9);
+  }
+  RenderSettings settings = thick(0);
+  settings.thin_dense_frames = true;
+  const BandImage image = render(sweep.view(), c_plane(3.0, 64, 8), settings);
+  EXPECT_EQ(image.frames_left_out, 32);
+  for (int y = 0; y < 8; ++y) {
+    EXPECT_EQ(image.coverage.view()(5, y), 1);
+    EXPECT_NEAR(image.pixels.view()(5, y), 100 * pixel * y, 100 * pixel / 2 + 1);
+  }
+  EXPECT_EQ(render(sweep.view(), c_plane(3.0, 64, 8), thick(0)).frames_left_out, 0);
+}
+
 TEST(PlanarBand, DopplerMeanFollowsTheVelocities) {
   const auto key = [](int level, bool red) { return doppler::colour_key(level, red); };
   // Layers along y: keys by picture row.
