@@ -24,14 +24,28 @@ void Workers::for_each(int count, const std::function<void(int)>& body) {
   body_ = &body;
   count_ = count;
   next_.store(0, std::memory_order_relaxed);
-  busy_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
+  inside_.store(open, std::memory_order_release);
   generation_.fetch_add(1, std::memory_order_release);
   generation_.notify_all();
   take_part(body, count);
-  for (int busy = busy_.load(std::memory_order_acquire); busy != 0;
-       busy = busy_.load(std::memory_order_acquire)) {
-    busy_.wait(busy, std::memory_order_acquire);
+  // Nothing is left to begin: a thread that wakes only now stays out, and is not waited for.
+  for (std::uint32_t inside = inside_.fetch_and(~open, std::memory_order_acq_rel) & ~open; inside != 0;
+       inside = inside_.load(std::memory_order_acquire)) {
+    inside_.wait(inside, std::memory_order_acquire);
   }
+}
+
+// True where a job is on; it ends only when leave() has been called.
+bool Workers::enter() {
+  std::uint32_t inside = inside_.load(std::memory_order_acquire);
+  while ((inside & open) != 0) {
+    if (inside_.compare_exchange_weak(inside, inside + 1, std::memory_order_acq_rel)) return true;
+  }
+  return false;
+}
+
+void Workers::leave() {
+  if (inside_.fetch_sub(1, std::memory_order_acq_rel) == 1) inside_.notify_one();
 }
 
 void Workers::serve() {
@@ -39,8 +53,9 @@ void Workers::serve() {
     generation_.wait(seen, std::memory_order_acquire);
     seen = generation_.load(std::memory_order_acquire);
     if (ending_) return;
+    if (!enter()) continue;
     take_part(*body_, count_);
-    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+    leave();
   }
 }
 

@@ -24,11 +24,14 @@ class Workers final : public Parallel {
 
  private:
   void serve();
+  bool enter();
+  void leave();
   void take_part(const std::function<void(int)>& body, int count);
 
   std::atomic<std::uint32_t> generation_{0};  // bumped for each job and for the end
   std::atomic<int> next_{0};                  // next index of the job
-  std::atomic<int> busy_{0};                  // threads that still may touch the job
+  static constexpr std::uint32_t open = std::uint32_t{1} << 31;
+  std::atomic<std::uint32_t> inside_{0};  // threads in the job, and `open` while it may be entered
   const std::function<void(int)>* body_ = nullptr;
   int count_ = 0;
   bool ending_ = false;
