@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   const sim::SimulatedScene scene = sim::make_scene(settings);
   virtual_board::TrackerDevice tracker(static_cast<std::uint16_t>(std::strtoul(argv[2], nullptr, 16)), clock,
                                        [hand = scene.hand](Stamp t) { return hand->tracker_from_probe(t); });
-  constexpr int rate_hz = 10;
+  constexpr int rate_hz = 5;  // what an emulated bus carries beside the tracker
   virtual_board::VideoUsbDevice video(scene.scanner.width_px, scene.scanner.height_px, rate_hz, clock,
                                       scene.painter());
   std::atomic<bool> stop = false;

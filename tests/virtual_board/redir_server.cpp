@@ -57,7 +57,8 @@ void RedirSession::say(std::uint32_t type, std::uint64_t id, std::span<const std
 }
 
 bool RedirSession::hear(std::span<const std::uint8_t> bytes, Bytes& out) {
-  if (!greeted_ && heard_.empty()) {
+  if (!said_hello_) {
+    said_hello_ = true;
     Bytes greeting(64, 0);
     std::snprintf(reinterpret_cast<char*>(greeting.data()), 64, "sonoband virtual board");
     const Bytes able = Fields().u32(capabilities).out;

@@ -40,7 +40,8 @@ class RedirSession {
 
   UsbDevice& device_;
   Bytes heard_;
-  bool greeted_ = false;
+  bool said_hello_ = false;
+  bool greeted_ = false;  // the peer said it
   std::deque<Pending> pending_;
 };
 

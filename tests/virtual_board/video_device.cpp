@@ -6,7 +6,9 @@
 namespace sonoband::virtual_board {
 namespace {
 
-constexpr unsigned most_payload = 64 * 1024;  // with the two bytes of header
+// With the two bytes of header: 32 packets, the longest transfer that uvcvideo queues. A longer payload would
+// be split over transfers, of which only the first has a header.
+constexpr unsigned most_payload = 32 * 512;
 constexpr Duration exposure = std::chrono::milliseconds(0);
 
 }  // namespace
