@@ -57,7 +57,7 @@ std::string row(const char* name, const char* device, BytePort& port, test::Step
   std::string said;
   Stamp last_good{};
   Duration longest{};
-  while (clock.now() < at(40)) {
+  while (clock.now() < at(22)) {
     std::size_t n = 0;
     tracker.read(batch, n, std::chrono::milliseconds(5));
     for (std::size_t i = 0; i < n; ++i) {
