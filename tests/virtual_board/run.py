@@ -243,7 +243,7 @@ def check(board):
     return re.search(r'found +tracker +(.*)', log).group(1)
 
 
-@test('a sweep by the pedal is rendered as the same sweep is natively')
+@test('a sweep by the pedal is tracked, rendered and saved, and its exam exports natively')
 def sweep(board):
     summary, _ = examine(board, 'sweep', lambda: None)
     require(swept(summary), f'no sweep: {summary}')
@@ -251,7 +251,6 @@ def sweep(board):
     require(frames >= 3, f'only {frames} frames have a pose')
     require(not lost(summary), f'frames were lost: {lost(summary)}')
     out = os.path.join(board.share, 'out')
-    # The same frames, poses and calibration, exported and painted natively along the plane of the first picture.
     tool = os.path.join(native, 'bin/sonoband-tool')
     exams = [f for f in os.listdir(os.path.join(out, 'exams-sweep')) if f.endswith('.exam')]
     require(exams, f"no exam was saved: {os.listdir(os.path.join(out, 'exams-sweep'))}")
