@@ -148,9 +148,23 @@ void say_what_is_saved(const cart::Appliance& cart) {
               cart.exams()->exam_id().c_str(), static_cast<long long>(saving.stored));
 }
 
+ProbeOptions probe_of(const BoardDevices& board, const Profile& profile) {
+  ProbeOptions probe;
+  probe.name = board.board == "sim" ? "Simulated probe" : "Recorded probe";
+  const auto [x, y, width, height] = profile.capture.crop_px;
+  const bool whole = width == 0;
+  probe.capture_width = board.width_px;
+  probe.capture_height = board.height_px;
+  probe.crop_px = {static_cast<float>(x), static_cast<float>(y),
+                   static_cast<float>(whole ? board.width_px : width),
+                   static_cast<float>(whole ? board.height_px : height)};
+  probe.depth_mm = board.probe_from_image.linear.col(1).norm() * probe.crop_px.height;
+  return probe;
+}
+
 int run(const Options& options) {
   const Profile profile = make_profile(options);
-  const ScreenOptions screen = screen_options(options, profile);
+  ScreenOptions screen = screen_options(options, profile);
   const bool window = options.window();
   if (!window && !options.headless && options.script.empty())
     std::printf("No display: DISPLAY is not set, so a scripted examination runs without a window\n");
@@ -167,6 +181,7 @@ int run(const Options& options) {
     clock = std::make_shared<sim::VirtualClock>();
   }
   BoardDevices board = make_board(options, profile, *clock);
+  screen.probe = probe_of(board, profile);
   const auto cart = make_appliance(board, profile, clock, options.exams);
   if (cart->exams() != nullptr) {
     for (const std::string& sentence : cart->exams()->recovered())

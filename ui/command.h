@@ -60,6 +60,9 @@ struct TiltPlane {  // about its own right and down axes through `about_mm`
   Eigen::Vector2d about_mm;
 };
 struct ResetPlane {};
+struct ShapePlane {  // so that the picture fills its window
+  double width_per_height = 1;
+};
 // A finger is on a window that renders, so a slow machine may show less; false: it has left.
 struct Touching {
   bool on = false;
@@ -181,7 +184,7 @@ struct SetSound {
 using Command = std::variant<
     command::Pedal, command::GoTo, command::OpenSheet, command::ToggleFullScreen, command::Quit,
     command::ShowFrame, command::StepFrames, command::Play, command::Fling, command::MovePlane,
-    command::ZoomPlane, command::TurnPlane, command::PushPlane, command::TiltPlane, command::ResetPlane,
+    command::ZoomPlane, command::TurnPlane, command::PushPlane, command::TiltPlane, command::ResetPlane, command::ShapePlane,
     command::Touching, command::BeginStroke, command::ExtendStroke, command::EndStroke, command::GrabVertex,
     command::DragVertex, command::DropVertex, command::ClearCurve, command::UndoCurve, command::RedoCurve,
     command::SetReach, command::PlaceLandmark, command::RemoveLandmark, command::AddMeasurePoint,

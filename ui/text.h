@@ -23,7 +23,7 @@ struct Texts {
   Words tracker = "Tracker";
   Words pedal = "Pedal";
   Words storage = "Storage";
-  Words ring = "Ring";
+  Words ring = "Memory";
   Words lost = "Lost";
   Words scanner_rate = "{0} fps · {1} ms";
   Words frozen = "frozen";
@@ -38,6 +38,7 @@ struct Texts {
   Words minutes_left = "{0} min";
   Words seconds_free = "{0} s free";
   Words lost_of = "{0} of {1}";
+  Words none_lost = "none";
   Words starting = "starting";
   Words degraded = "check";
   Words silent = "no signal";
@@ -100,12 +101,9 @@ struct Texts {
   Words tool_landmark = "Mark";
   Words tool_measure = "Measure";
   Words tool_contour = "Contour";
-  Words hint_move =
-      "Drag to move · pinch to zoom · twist to turn · the strip on the right moves along the normal";
-  Words hint_curve =
-      "Draw along the anatomy in Reslice · drag a ring to reshape · the edge of Manifold sets r";
-  Words hint_landmark =
-      "Tap in Review or Reslice to set a mark · it shows in every window · hold to remove it";
+  Words hint_move = "Drag, pinch or twist Reslice · the ball tilts it, the strip goes through it";
+  Words hint_curve = "Draw along the anatomy in Reslice · drag a ring to bend it";
+  Words hint_landmark = "Tap in Review or Reslice to set a mark · hold one to take it away";
   Words hint_measure = "Tap points in Review, Reslice or both";
   Words hint_contour = "Draw round the structure in Review · hold to remove it";
   Words hint_uncalibrated = "No calibration for this depth: nothing here can be measured";
@@ -147,7 +145,7 @@ struct Texts {
   Words patient_label = "Patient label (any text, or none)";
   Words no_label = "no label";
   Words no_exams = "No exams yet";
-  Words no_exams_cure = "Everything you record is kept here, saved as it happens.";
+  Words no_exams_cure = "What you record is listed here.";
   Words exam_detail = "{0} · {1} sweeps · {2} B-scans · {3} s";
   Words exam_one_sweep = "{0} · 1 sweep · {1} B-scans · {2} s";
   Words being_recorded = "being recorded";
@@ -158,10 +156,12 @@ struct Texts {
   Words place = "Place";
   Words exporting = "Exporting: {0} %";
   Words saved_as_it_happens = "Everything is saved as it happens";
+  Words kept_in_memory = "Sweeps of this run, in memory: they go when the cart stops";
 
   // Set-up
   Words probe = "Probe and depth";
   Words probe_line = "{0} · {1} mm deep";
+  Words calibrated = "calibrated";
   Words calibrated_days = "calibrated {0} days ago";
   Words calibrated_today = "calibrated today";
   Words not_calibrated = "no calibration: nothing can be measured";
@@ -171,6 +171,7 @@ struct Texts {
   Words hold_mode_words = "Records while the pedal is down.";
   Words toggle_mode_words = "One press starts, the next one stops.";
   Words devices = "Devices";
+  Words pull_reach = "r {0} mm";
   Words sound = "Sound";
   Words sound_words = "A tone when recording starts and stops.";
   Words crop = "Picture area";

@@ -232,6 +232,7 @@ struct ExamsView {
   int first = 0;               // of the list, scrolled
   std::string_view new_label;  // being typed
   bool can_undo_delete = false;
+  bool on_disk = false;  // else they live as long as the cart runs
   ExportView transfer;
 };
 
@@ -241,13 +242,7 @@ struct ProbeView {
   std::string_view name;
   double depth_mm = 0;
   bool calibrated = false;
-  double calibration_days = 0;  // age
-};
-
-struct DeviceLine {
-  std::string_view name;
-  std::string_view detail;
-  Health health = Health::absent;
+  double calibration_days = -1;  // age; negative: not known
 };
 
 struct SetUpView {
@@ -259,7 +254,6 @@ struct SetUpView {
   Rect crop_px;  // of the capture
   int capture_width = 0;
   int capture_height = 0;
-  std::span<const DeviceLine> devices;
   std::string_view storage_place;
   std::string_view version;
 };

@@ -51,7 +51,10 @@ ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOpti
       worker_(threads_for_rendering(), std::move(rendered)),
       session_(worker_, options.pedal == PedalMode::toggle ? ui::PedalMode::toggle : ui::PedalMode::hold),
       screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale}), load_fonts(),
-              ui::Texts{}) {}
+              ui::Texts{}) {
+  const ProbeOptions& probe = options_.probe;
+  probes_[0] = {probe.name, probe.depth_mm, probe.calibrated, -1};
+}
 
 void ScreenLoop::measure_speed(const TrackedFrame& frame) {
   if (frame.pose_status != PoseStatus::ok) return;
@@ -72,8 +75,10 @@ void ScreenLoop::follow_sweep(Stamp now) {
     session_.begin_sweep(static_cast<std::uint64_t>(growing_->id()));
     next_growth_ = now;
     recorded_ = true;
+    at_press_ = cart_.status().cart.acquisition.ledger;
   }
   if (!growing_) return;
+  sweep_ledger_ = booked_since(at_press_, cart_.status().cart.acquisition.ledger);
   const auto released = growing_->released();
   if (!released && now < *next_growth_) return;
   next_growth_ = now + growth_every;
@@ -86,6 +91,7 @@ void ScreenLoop::follow_sweep(Stamp now) {
   }
   session_.grow_sweep(sweep, released.has_value());
   if (!released) return;
+  if (growing_->ledger() != nullptr) sweep_ledger_ = *growing_->ledger();
   growing_.reset();
   const cart::ApplianceStatus& status = cart_.status();
   while (session_.sweep_count() > most_sweeps ||
@@ -171,15 +177,15 @@ void ScreenLoop::fill(Stamp now) {
     disk_bytes_ = bytes_on_disk(options_.shots);
   }
   const double minutes = static_cast<double>(disk_bytes_) / (fps * ring.width * ring.height * 60);
-  fill_status(status, minutes, ring.slots / fps, losses_, view_.status);
+  fill_status(status, sweep_ledger_, minutes, ring.slots / fps, losses_, view_.status);
   view_.status.pedal.mode = session_.pedal_mode();
   fill_live(now, fps);
   view_.set_up.version = options_.version;
   view_.set_up.storage_place = options_.shots.native();
-  devices_ = {{{"Scanner", view_.status.scanner.reason, view_.status.scanner.health},
-               {"Tracker", view_.status.tracker.reason, view_.status.tracker.health},
-               {"Pedal", view_.status.pedal.reason, view_.status.pedal.health}}};
-  view_.set_up.devices = devices_;
+  view_.set_up.probes = probes_;
+  view_.set_up.crop_px = options_.probe.crop_px;
+  view_.set_up.capture_width = options_.probe.capture_width;
+  view_.set_up.capture_height = options_.probe.capture_height;
   session_.fill(view_);
   if (const auto result = worker_.newest()) drawn_result_ = result->version;
 }

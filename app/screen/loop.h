@@ -78,12 +78,14 @@ class ScreenLoop {
   ui::Screen screen_;
   ui::View view_;
   LossLines losses_{};
+  LossLedger at_press_;      // the cart's ledger when the sweep began
+  LossLedger sweep_ledger_;  // of the growing or last sweep
   std::shared_ptr<Sweep> growing_;
   std::optional<Stamp> next_growth_;
   cart::State state_ = cart::State::idle;
   Lamps lamps_;
   FrameLease lease_;  // while a frame is made
-  std::array<ui::DeviceLine, 3> devices_{};
+  std::array<ui::ProbeView, 1> probes_;
   std::uintmax_t disk_bytes_ = 0;
   std::optional<Stamp> disk_asked_;
   Stamp noted_{};

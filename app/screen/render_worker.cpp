@@ -62,6 +62,26 @@ BandImage transposed(const BandImage& in) {
   return out;
 }
 
+bool same_plane(const ReslicePlane& a, const ReslicePlane& b) {
+  return a.origin.v == b.origin.v && a.right.v == b.right.v && a.down.v == b.down.v && a.width == b.width &&
+         a.height == b.height && a.pixel_mm == b.pixel_mm;
+}
+
+// Whatever matters to both pictures.
+bool same_look(const RenderRequest& a, const RenderRequest& b) {
+  const RenderSettings& s = a.settings;
+  const RenderSettings& t = b.settings;
+  return a.sweep_version == b.sweep_version && a.coarse == b.coarse &&
+         s.band.thickness_mm == t.band.thickness_mm && s.band.step_mm == t.band.step_mm &&
+         s.compounding == t.compounding && s.interpolation == t.interpolation && s.gap.mm == t.gap.mm;
+}
+
+RenderSettings settings_of(const RenderRequest& job) {
+  RenderSettings settings = job.settings;
+  if (job.coarse) settings.band.step_mm *= 2;
+  return settings;
+}
+
 using SteadyClock = std::chrono::steady_clock;
 double ms_since(SteadyClock::time_point begun) {
   return std::chrono::duration<double, std::milli>(SteadyClock::now() - begun).count();
@@ -113,58 +133,72 @@ RenderWorker::Counts RenderWorker::counts() const {
   return counts_;
 }
 
-std::optional<ManifoldPicture> RenderWorker::unroll(const RenderRequest& job, PreparedSweep& sweep,
-                                                    const ReslicePlane& plane, const RenderSettings& settings,
-                                                    Flow& kept, Parallel& parallel) const {
+std::shared_ptr<PlanarPicture> RenderWorker::paint(const RenderRequest& job, PreparedSweep& sweep,
+                                                   Parallel& parallel) {
+  const auto begun = SteadyClock::now();
+  auto out = std::make_shared<PlanarPicture>();
+  out->version = ++pictures_;
+  out->coarse = job.coarse;
+  out->plane = job.coarse ? halved(job.plane) : job.plane;
+  out->band = render_planar(sweep, out->plane, settings_of(job), parallel, &overtaken_);
+  out->ms = ms_since(begun);
+  return out;
+}
+
+std::shared_ptr<ManifoldPicture> RenderWorker::unroll(const RenderRequest& job, PreparedSweep& sweep,
+                                                      Flow& kept, Parallel& parallel) {
+  const auto begun = SteadyClock::now();
+  const RenderSettings settings = settings_of(job);
+  ReslicePlane plane = job.curve_plane;
+  if (job.coarse) plane.pixel_mm *= 2;
   const int layers = settings.band.layers();
   if (kept.curve_mm != job.curve_mm || kept.pixel_mm != plane.pixel_mm || kept.layers != layers) {
     CurveSettings as_drawn;
     as_drawn.pixel_mm = plane.pixel_mm;
     as_drawn.smooth_px = 0;  // the stroke was smoothed as it was drawn
     CurveResult made = make_curve(job.curve_mm, as_drawn);
-    if (made.fault != CurveFault::none) return std::nullopt;
+    if (made.fault != CurveFault::none) return nullptr;
     CurveFlow flow = band_flow(made.curve, plane, settings.band, FlowMethod::exact, parallel);
-    if (overtaken_) return std::nullopt;
+    if (overtaken_) return nullptr;
     kept = {job.curve_mm, plane.pixel_mm, layers, std::move(made.curve), std::move(flow)};
   }
-  ManifoldPicture out;
+  auto out = std::make_shared<ManifoldPicture>();
+  out->version = ++pictures_;
   const LineBundle lines = manifold_lines(plane, kept.curve, kept.flow, job.reach_mm, settings.band);
-  out.band = transposed(render_lines(sweep, lines, settings, parallel, &overtaken_));
-  out.pixel_mm = plane.pixel_mm;
-  out.length_mm = length_mm(kept.curve);
-  out.layers = layers;
-  out.thickness_mm = settings.band.thickness_mm;
+  out->band = transposed(render_lines(sweep, lines, settings, parallel, &overtaken_));
+  out->coarse = job.coarse;
+  out->pixel_mm = plane.pixel_mm;
+  out->length_mm = length_mm(kept.curve);
+  out->layers = layers;
+  out->thickness_mm = settings.band.thickness_mm;
   if (layers > 1) {
-    out.up = kept.flow.layers.back().front;
-    out.down = kept.flow.layers.front().front;
-    out.smeared = stretches(smeared_rows(kept.flow, layers / 2), plane.pixel_mm);
+    out->up = kept.flow.layers.back().front;
+    out->down = kept.flow.layers.front().front;
+    out->smeared = stretches(smeared_rows(kept.flow, layers / 2), plane.pixel_mm);
   }
+  out->ms = ms_since(begun);
   return out;
 }
 
-std::shared_ptr<RenderResult> RenderWorker::render(const RenderRequest& job, Flow& flow,
-                                                   Parallel& parallel) const {
-  auto result = std::make_shared<RenderResult>();
-  const auto begun = SteadyClock::now();
+std::shared_ptr<RenderResult> RenderWorker::render(const RenderRequest& job, Kept& kept, Parallel& parallel) {
   PreparedSweep sweep(job.sweep.view, job.settings.gap);
-  RenderSettings settings = job.settings;
-  result->coarse = job.coarse;
+  auto result = std::make_shared<RenderResult>();
   result->sweep_version = job.sweep_version;
-  result->plane = job.coarse ? halved(job.plane) : job.plane;
-  if (job.coarse) settings.band.step_mm *= 2;
-  result->band = render_planar(sweep, result->plane, settings, parallel, &overtaken_);
-  result->band_ms = ms_since(begun);
+  const bool same = same_look(job, kept.done);
+  result->planar = same && same_plane(job.plane, kept.done.plane) ? kept.result.planar : nullptr;
+  if (!result->planar) result->planar = paint(job, sweep, parallel);
   if (overtaken_ || job.curve_mm.size() < 2 || !(job.reach_mm > 0)) return result;
-  const auto rolled = SteadyClock::now();
-  result->manifold = unroll(job, sweep, result->plane, settings, flow, parallel);
-  result->manifold_ms = ms_since(rolled);
+  const bool same_surface = same && same_plane(job.curve_plane, kept.done.curve_plane) &&
+                            job.curve_mm == kept.done.curve_mm && job.reach_mm == kept.done.reach_mm;
+  if (same_surface) result->manifold = kept.result.manifold;
+  if (!result->manifold) result->manifold = unroll(job, sweep, kept.flow, parallel);
   return result;
 }
 
 void RenderWorker::serve() {
   Workers workers(threads_);
   Stoppable parallel(workers, overtaken_);
-  Flow flow;
+  Kept kept;
   for (;;) {
     RenderRequest job;
     {
@@ -178,17 +212,20 @@ void RenderWorker::serve() {
       working_ = true;
       overtaken_ = false;
     }
-    auto result = render(job, flow, parallel);
+    auto result = render(job, kept, parallel);
     {
       const std::lock_guard lock(mutex_);
       // What was overtaken while it worked may be half a picture.
       if (overtaken_) {
         ++counts_.given_up;
-      } else {
-        result->version = ++counts_.done;
-        newest_ = std::move(result);
+        continue;
       }
+      result->version = ++counts_.done;
+      newest_ = result;
     }
+    kept.result = *result;
+    kept.done = std::move(job);
+    kept.done.sweep = {};
     if (finished_) finished_();
   }
 }

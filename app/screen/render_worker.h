@@ -30,14 +30,25 @@ struct RenderRequest {
   std::uint64_t sweep_version = 0;  // changes with the frames
   ReslicePlane plane;
   RenderSettings settings;
-  std::vector<Eigen::Vector2d> curve_mm;  // on the plane; fewer than two points: no manifold is asked for
-  double reach_mm = 0;                    // the paper's r
+  // On a plane of its own, which in-plane moves of the other leave where it is. Fewer than two points: no
+  // manifold is asked for.
+  std::vector<Eigen::Vector2d> curve_mm;
+  ReslicePlane curve_plane;
+  double reach_mm = 0;  // the paper's r
   bool coarse = false;  // half the pixels each way: for a slow machine while a finger is down
 };
 
 struct Stretch {
   double from_mm = 0;  // arc length along the curve
   double to_mm = 0;
+};
+
+struct PlanarPicture {
+  BandImage band;
+  ReslicePlane plane;  // that it was rendered for
+  double ms = 0;
+  bool coarse = false;
+  std::uint64_t version = 0;  // ascending
 };
 
 // The unrolled surface as the screen shows it: columns follow the curve, rows its normal n.
@@ -49,17 +60,17 @@ struct ManifoldPicture {
   double thickness_mm = 0;
   std::vector<PlaneLine> up, down;  // the paper's c_u and c_d, plane mm
   std::vector<Stretch> smeared;     // where some layer shows one ruling in several columns
+  double ms = 0;
+  bool coarse = false;
+  std::uint64_t version = 0;
 };
 
+// Of two results the pictures whose request did not change are the same ones.
 struct RenderResult {
-  BandImage band;
-  ReslicePlane plane;  // that it was rendered for
+  std::shared_ptr<const PlanarPicture> planar;
+  std::shared_ptr<const ManifoldPicture> manifold;  // null: none was asked for, or the curve makes none
   std::uint64_t sweep_version = 0;
-  double band_ms = 0;
-  double manifold_ms = 0;
-  bool coarse = false;
-  std::optional<ManifoldPicture> manifold;
-  std::uint64_t version = 0;  // ascending
+  std::uint64_t version = 0;
 };
 
 class RenderWorker {
@@ -85,8 +96,7 @@ class RenderWorker {
   Counts counts() const;
 
  private:
-  // The flow of the last curve: the same while only the plane, the reach or the sweep change. No frames: the
-  // ring needs their room.
+  // The flow of the last curve: the same while only the plane, the reach or the sweep change.
   struct Flow {
     std::vector<Eigen::Vector2d> curve_mm;
     double pixel_mm = 0;
@@ -94,11 +104,17 @@ class RenderWorker {
     Curve curve;
     CurveFlow flow;
   };
+  // No frames: the ring needs their room.
+  struct Kept {
+    Flow flow;
+    RenderRequest done;  // that the newest result answers; its sweep is let go
+    RenderResult result;
+  };
   void serve();
-  std::shared_ptr<RenderResult> render(const RenderRequest& job, Flow& flow, Parallel& parallel) const;
-  std::optional<ManifoldPicture> unroll(const RenderRequest& job, PreparedSweep& sweep,
-                                        const ReslicePlane& plane, const RenderSettings& settings, Flow& kept,
-                                        Parallel& parallel) const;
+  std::shared_ptr<RenderResult> render(const RenderRequest& job, Kept& kept, Parallel& parallel);
+  std::shared_ptr<PlanarPicture> paint(const RenderRequest& job, PreparedSweep& sweep, Parallel& parallel);
+  std::shared_ptr<ManifoldPicture> unroll(const RenderRequest& job, PreparedSweep& sweep, Flow& kept,
+                                          Parallel& parallel);
 
   int threads_;
   std::function<void()> finished_;
@@ -109,6 +125,7 @@ class RenderWorker {
   std::shared_ptr<const RenderResult> newest_;
   Counts counts_;
   bool working_ = false;
+  std::uint64_t pictures_ = 0;  // begun; the worker's own
   bool ending_ = false;
   StopFlag overtaken_{false};
   std::thread thread_;

@@ -9,8 +9,19 @@
 #include "app/cart/appliance.h"
 #include "app/script/script.h"
 #include "board/profile.h"
+#include "ui/rect.h"
 
 namespace sonoband {
+
+// What Set-up says of the pictures.
+struct ProbeOptions {
+  std::string name;
+  double depth_mm = 0;
+  bool calibrated = true;
+  ui::Rect crop_px;
+  int capture_width = 0;
+  int capture_height = 0;
+};
 
 struct ScreenOptions {
   bool full_screen = false;
@@ -22,6 +33,7 @@ struct ScreenOptions {
   // Width of the scanner's beam across its picture, mm: B-scans farther apart leave gaps. Usual: 1 to 3.
   double beam_width_mm = 1;
   PedalMode pedal = PedalMode::hold;
+  ProbeOptions probe;
   std::string version;
 };
 

@@ -118,8 +118,28 @@ void Session::show(const RunSweep& sweep) {
 void Session::reset_plane() {
   const RunSweep* s = shown();
   if (s == nullptr) return;
-  if (const auto plane = default_plane(s->held.view, PlaneView::upright)) plane_ = *plane;
+  const auto plane = default_plane(s->held.view, PlaneView::upright);
+  if (!plane) return;
+  const ReslicePlane before = plane_;
+  plane_ = *plane;
+  content_px_ = {plane->width, plane->height};
+  shape_plane();
+  curve_plane_ = ui::carried(curve_plane_, before, plane_);
+}
+
+void Session::shape_plane() {
+  plane_ = ui::shaped(plane_, content_px_[0], content_px_[1], width_per_height_);
   dirty_ = true;
+}
+
+Eigen::Vector2d Session::to_curve(const Eigen::Vector2d& mm) const {
+  return ui::on_plane(curve_plane_, ui::from_plane(plane_, mm)).mm;
+}
+
+void Session::show_curve(std::span<const Eigen::Vector2d> points, std::vector<Eigen::Vector2d>& out) const {
+  out.clear();
+  for (const Eigen::Vector2d& p : points)
+    out.push_back(ui::on_plane(plane_, ui::from_plane(curve_plane_, p)).mm);
 }
 
 void Session::say(std::string notice, Duration how_long) {
@@ -185,6 +205,10 @@ void Session::apply(const ui::Command& command) {
     plane_ = plane;
     dirty_ = true;
   };
+  const auto move_out = [&](const ReslicePlane& plane) {
+    if (frame_count() > 0) curve_plane_ = ui::carried(curve_plane_, plane_, plane);
+    move(plane);
+  };
   const auto curved = [&](auto&& change) {
     const std::uint64_t before = curve_.version();
     change();
@@ -208,20 +232,30 @@ void Session::apply(const ui::Command& command) {
           [&](const c::MovePlane& by) { move(ui::moved(plane_, by.by_mm)); },
           [&](const c::ZoomPlane& by) { move(ui::zoomed(plane_, by.factor, by.about_mm)); },
           [&](const c::TurnPlane& by) { move(ui::turned(plane_, by.by_rad, by.about_mm)); },
-          [&](const c::PushPlane& by) { move(ui::pushed(plane_, by.by_mm)); },
+          [&](const c::PushPlane& by) { move_out(ui::pushed(plane_, by.by_mm)); },
           [&](const c::TiltPlane& by) {
-            move(ui::tilted(plane_, by.about_right_rad, by.about_down_rad, by.about_mm));
+            move_out(ui::tilted(plane_, by.about_right_rad, by.about_down_rad, by.about_mm));
           },
           [&](const c::ResetPlane&) { reset_plane(); },
+          [&](const c::ShapePlane& to) {
+            width_per_height_ = std::clamp(to.width_per_height, 0.2, 5.0);
+            if (frame_count() > 0) shape_plane();
+          },
           [&](const c::Touching& touching) {
             if (touching_ && !touching.on) dirty_ = true;  // once more, in full
             touching_ = touching.on;
           },
-          [&](const c::BeginStroke& s) { curved([&] { curve_.begin(s.at_mm); }); },
-          [&](const c::ExtendStroke& s) { curved([&] { curve_.extend(s.to_mm); }); },
+          [&](const c::BeginStroke& s) {
+            if (curve_.line().empty() && !curve_.can_undo() && !curve_.can_redo()) {
+              curve_plane_ = plane_;
+              curve_plane_.pixel_mm = settings_.band.step_mm;
+            }
+            curved([&] { curve_.begin(to_curve(s.at_mm)); });
+          },
+          [&](const c::ExtendStroke& s) { curved([&] { curve_.extend(to_curve(s.to_mm)); }); },
           [&](const c::EndStroke&) { curved([&] { curve_.end(); }); },
           [&](const c::GrabVertex& g) { curve_.grab(g.index); },
-          [&](const c::DragVertex& d) { curved([&] { curve_.drag(d.to_mm); }); },
+          [&](const c::DragVertex& d) { curved([&] { curve_.drag(to_curve(d.to_mm)); }); },
           [&](const c::DropVertex&) { curved([&] { curve_.drop(); }); },
           [&](const c::ClearCurve&) { curved([&] { curve_.clear(); }); },
           [&](const c::UndoCurve&) { curved([&] { curve_.undo(); }); },
@@ -339,6 +373,7 @@ void Session::ask() {
   if (const RunSweep* s = shown()) {
     request.sweep = s->held;
     if (curve_.line().size() > 1) request.curve_mm = curve_.line();
+    request.curve_plane = curve_plane_;
     request.reach_mm = reach_mm_;
   } else if (growing_held_) {
     request.sweep = *growing_held_;
@@ -349,7 +384,7 @@ void Session::ask() {
   request.plane = plane_;
   request.settings = settings_;
   const auto last = worker_.newest();
-  const double full_ms = last ? last->band_ms * (last->coarse ? 4 : 1) : 0;
+  const double full_ms = last ? last->planar->ms * (last->planar->coarse ? 4 : 1) : 0;
   request.coarse = touching_ && full_ms > slow_ms;
   worker_.ask(std::move(request));
 }
@@ -401,7 +436,8 @@ void Session::fill(ui::View& view) {
   view.live.growing_mm = settings_.band.thickness_mm;
   ui::Picture band;
   if (result_) {
-    band = {result_->band.pixels.view(), result_->band.coverage.view(), result_->band.kind, result_->version};
+    const BandImage& b = result_->planar->band;
+    band = {b.pixels.view(), b.coverage.view(), b.kind, result_->planar->version};
   }
   if (growing_ != 0) {
     if (growing_held_) {
@@ -418,15 +454,17 @@ void Session::fill(ui::View& view) {
     r.band = band;
     view.live.growing = band;
     if (result_) {
-      r.band_plane = result_->plane;
-      r.band_ms = result_->band_ms;
-      r.band_coarse = result_->coarse;
+      r.band_plane = result_->planar->plane;
+      r.band_ms = result_->planar->ms;
+      r.band_coarse = result_->planar->coarse;
     }
   }
 
   r.curve = {};
-  r.curve.line = curve_.line();
-  r.curve.vertices = curve_.handles();
+  show_curve(curve_.line(), line_);
+  show_curve(curve_.handles(), vertices_);
+  r.curve.line = line_;
+  r.curve.vertices = vertices_;
   r.curve.reach_mm = reach_mm_;
   r.curve.drawing = curve_.drawing();
   r.curve.can_undo = curve_.can_undo();
@@ -434,12 +472,18 @@ void Session::fill(ui::View& view) {
   smear_views_.clear();
   if (result_ && result_->manifold && !curve_.line().empty() && shown_ != 0) {
     const ManifoldPicture& m = *result_->manifold;
-    r.manifold = {m.band.pixels.view(), m.band.coverage.view(), m.band.kind, result_->version};
+    r.manifold = {m.band.pixels.view(), m.band.coverage.view(), m.band.kind, m.version};
     r.manifold_thickness_mm = m.thickness_mm;
     r.manifold_pixel_mm = m.pixel_mm;
-    r.manifold_coarse = result_->coarse;
-    r.curve.up = m.up;
-    r.curve.down = m.down;
+    r.manifold_coarse = m.coarse;
+    const auto show_runs = [&](const std::vector<PlaneLine>& runs, std::vector<PlaneLine>& out) {
+      out.resize(runs.size());
+      for (std::size_t i = 0; i < runs.size(); ++i) show_curve(runs[i], out[i]);
+    };
+    show_runs(m.up, up_);
+    show_runs(m.down, down_);
+    r.curve.up = up_;
+    r.curve.down = down_;
     r.curve.length_mm = m.length_mm;
     r.curve.layers = m.layers;
     for (const Stretch& s : m.smeared) smear_views_.push_back({s.from_mm, s.to_mm});

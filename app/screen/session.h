@@ -3,9 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -102,7 +104,17 @@ class Session {
   ui::PedalMode pedal_mode_;
   bool sound_ = true;
 
+  // In a window wider than the sweep the plane is wider as well.
+  void shape_plane();
+  // From the plane that is shown to the curve's, and back: moves within the plane leave the curve where it
+  // was drawn, on the anatomy; moves out of it take the curve along.
+  Eigen::Vector2d to_curve(const Eigen::Vector2d& mm) const;
+  void show_curve(std::span<const Eigen::Vector2d> points, std::vector<Eigen::Vector2d>& out) const;
+
   ReslicePlane plane_;
+  ReslicePlane curve_plane_;
+  std::array<int, 2> content_px_{};  // of the plane that just holds the sweep
+  double width_per_height_ = 1;      // of the Reslice window
   RenderSettings settings_ = usual_settings();
   ui::CurveEditor curve_;
   double reach_mm_ = 20;
@@ -131,6 +143,8 @@ class Session {
   bool changed_ = true;
   std::shared_ptr<const RenderResult> result_;
   // Lent to the view.
+  std::vector<Eigen::Vector2d> line_, vertices_;
+  std::vector<PlaneLine> up_, down_;
   std::vector<ui::MeasureView> measure_views_;
   std::vector<ui::ContourView> contour_views_;
   std::vector<ui::CurveView::Smear> smear_views_;

@@ -45,8 +45,24 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 14> sentence
 
 }  // namespace
 
-void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds,
-                 LossLines& losses, ui::StatusView& view) {
+LossLedger booked_since(const LossLedger& then, const LossLedger& now) {
+  LossLedger d = now;
+  d.received -= then.received;
+  d.stored -= then.stored;
+  for (std::size_t i = 0; i < d.lost.size(); ++i) d.lost[i] -= then.lost[i];
+  for (std::size_t i = 0; i < d.by_pose.size(); ++i) d.by_pose[i] -= then.by_pose[i];
+  d.device_gap -= then.device_gap;
+  d.source_resets -= then.source_resets;
+  d.poses -= then.poses;
+  d.poses_refused -= then.poses_refused;
+  d.poses_overrun -= then.poses_overrun;
+  d.pedal_overrun -= then.pedal_overrun;
+  d.presses_refused -= then.presses_refused;
+  return d;
+}
+
+void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, double storage_minutes,
+                 double ring_seconds, LossLines& losses, ui::StatusView& view) {
   const cart::AcquisitionStatus& acquisition = status.cart.acquisition;
   view.scanner.health = health_of(status.frames.health);
   view.scanner.reason = status.frames.health.reason;
@@ -64,7 +80,7 @@ void fill_status(const cart::ApplianceStatus& status, double storage_minutes, do
   view.ring.seconds_in_all = ring_seconds;
 
   // A picture shown twice is the scanner's own rate below the video's, not a loss of ours.
-  const LossLedger& ledger = acquisition.ledger;
+  const LossLedger& ledger = sweep;
   const std::uint64_t repeats = ledger.lost_for(LossCause::duplicate);
   const std::uint64_t unplaced = ledger.stored - ledger.with(PoseStatus::ok);
   view.losses.lost = ledger.all_lost() - repeats + ledger.device_gap + unplaced;

@@ -11,8 +11,12 @@ namespace sonoband {
 // What the view borrows.
 using LossLines = std::array<ui::LossLine, ledger_line_count>;
 
-// `storage_minutes`: of recording that the disk still takes; `ring_seconds`: that the ring holds in all.
-void fill_status(const cart::ApplianceStatus& status, double storage_minutes, double ring_seconds,
-                 LossLines& losses, ui::StatusView& view);
+// What was booked between two readings of a ledger.
+LossLedger booked_since(const LossLedger& then, const LossLedger& now);
+
+// `sweep`: what became of the frames of the growing or last sweep. `storage_minutes`: of recording that the
+// disk still takes; `ring_seconds`: that the ring holds in all.
+void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, double storage_minutes,
+                 double ring_seconds, LossLines& losses, ui::StatusView& view);
 
 }  // namespace sonoband

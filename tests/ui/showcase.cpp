@@ -180,13 +180,7 @@ ui::View set_up_view() {
   static const std::array<ui::ProbeView, 3> probes = {{{"Convex 3.5 MHz", 160, true, 12},
                                                        {"Convex 3.5 MHz", 240, false, 0},
                                                        {"Linear 7.5 MHz", 40, true, 0.2}}};
-  static const std::array<ui::DeviceLine, 4> devices = {
-      {{"Scanner", "simulated, 640 × 480, 60 frames a second", ui::Health::good},
-       {"Tracker", "simulated LIBERTY, one sensor, 240 Hz", ui::Health::good},
-       {"Pedal", "space bar and Record button", ui::Health::degraded},
-       {"Touchscreen", "mouse", ui::Health::good}}};
   view.set_up.probes = probes;
-  view.set_up.devices = devices;
   view.set_up.crop_px = {100, 60, 640, 480};
   view.set_up.capture_width = 1024;
   view.set_up.capture_height = 768;

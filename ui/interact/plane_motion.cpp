@@ -48,6 +48,30 @@ ReslicePlane turned(const ReslicePlane& plane, double by_rad, const Eigen::Vecto
   return out;
 }
 
+ReslicePlane shaped(const ReslicePlane& plane, int width, int height, double width_per_height) {
+  ReslicePlane out = plane;
+  out.width = std::max(width, static_cast<int>(std::lround(height * width_per_height)));
+  out.height = std::max(height, static_cast<int>(std::lround(width / width_per_height)));
+  out.origin.v += 0.5 * plane.pixel_mm *
+                  ((plane.width - out.width) * plane.right.v + (plane.height - out.height) * plane.down.v);
+  return out;
+}
+
+ReslicePlane carried(const ReslicePlane& plane, const ReslicePlane& from, const ReslicePlane& to) {
+  const auto axes = [](const ReslicePlane& p) {
+    Eigen::Matrix3d m;
+    m << p.right.v, p.down.v, p.normal().v;
+    return m;
+  };
+  const Eigen::Matrix3d turn = axes(to) * axes(from).transpose();
+  ReslicePlane out = plane;
+  out.right.v = turn * plane.right.v;
+  out.down.v = turn * plane.down.v;
+  out = squared(out);
+  out.origin.v = to.origin.v + turn * (plane.origin.v - from.origin.v);
+  return out;
+}
+
 ReslicePlane pushed(const ReslicePlane& plane, double by_mm) {
   ReslicePlane out = plane;
   out.origin.v += by_mm * plane.normal().v;

@@ -103,8 +103,11 @@ void draw_exams(Ui& ui, const Rect& r, const View& view) {
       ui.send(command::UndoDelete{});
     foot.cut_right(gap);
   }
-  if (foot.width > ui.draw.width_of(Type::small, t.saved_as_it_happens) + ui.px(12)) {
-    ui.draw.text_in(foot, Align::centre, Type::small, colour::ink_quiet, t.saved_as_it_happens);
+  if (foot.width >
+      ui.draw.width_of(Type::small, view.exams.on_disk ? t.saved_as_it_happens : t.kept_in_memory) +
+          ui.px(12)) {
+    ui.draw.text_in(foot, Align::centre, Type::small, colour::ink_quiet,
+                    view.exams.on_disk ? t.saved_as_it_happens : t.kept_in_memory);
   }
 
   if (exams.exams.empty()) {

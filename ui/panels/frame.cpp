@@ -107,7 +107,6 @@ void draw_screen(Ui& ui, const View& view) {
   Rect rest = ui.metrics.screen;
   ui.draw.fill(rest, colour::ground);
   draw_status_bar(ui, rest.cut_top(std::max(ui.px(48), ui.metrics.target)), view);
-  const Rect below = rest;
   draw_rail(ui, rest.cut_left(std::max(ui.px(88), ui.metrics.target)), view);
   Rect page = rest.inset(ui.px(10));
   if (!view.notice.empty()) {
@@ -135,7 +134,7 @@ void draw_screen(Ui& ui, const View& view) {
       draw_set_up(ui, page, view);
       break;
   }
-  if (view.live.recording) ui.draw.outline(below, colour::alarm, ui.px(recording_frame_units));
+  if (view.live.recording) ui.draw.outline(ui.metrics.screen, colour::alarm, ui.px(recording_frame_units));
   if (view.sheet != Sheet::none) draw_sheet(ui, view);
 }
 

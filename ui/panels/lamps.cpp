@@ -103,6 +103,7 @@ Lamp loss_lamp(const LossStatus& s, const Texts& t) {
   // One in a thousand leaves a gap nobody sees; one in fifty leaves holes in a band.
   Colour c = colour::good;
   if (s.lost > 0) c = s.lost * 50 > s.of ? colour::alarm : colour::warning;
+  if (s.lost == 0) return {c, Line(t.none_lost, {})};
   return {c, Line(t.lost_of, {count(s.lost), count(s.of)})};
 }
 

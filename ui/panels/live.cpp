@@ -188,7 +188,7 @@ void draw_live_outline(Ui& ui, const Rect& r, const View& view) {
 void draw_live(Ui& ui, const Rect& r, const View& view) {
   Rect rest = r;
   const float gap = ui.px(8);
-  Rect right = rest.cut_right(std::max(ui.px(300), rest.width * 0.445f));
+  Rect right = rest.cut_right(std::max(ui.px(300), rest.width * 0.37f));
   rest.cut_right(gap);
   draw_picture(ui, rest, view);
   const Rect speed = right.cut_bottom(std::max(ui.px(104), r.height * 0.17f));

@@ -23,19 +23,18 @@ void draw_depth_scale(Ui& ui, const Rect& picture, float px_per_mm) {
   int step_mm = 10;
   while (static_cast<float>(step_mm) * px_per_mm < least_apart && step_mm < 1000)
     step_mm *= step_mm == 10 ? 2 : 5;
-  for (int mm = step_mm; static_cast<float>(mm) * px_per_mm < picture.height - ui.px(8); mm += step_mm) {
+  const float end = picture.height - ui.px(8);
+  for (int mm = step_mm; static_cast<float>(mm) * px_per_mm < end; mm += step_mm) {
     const float y = picture.y + static_cast<float>(mm) * px_per_mm;
     ui.draw.line({picture.right() - ui.px(9), y}, {picture.right() - ui.px(1), y},
                  colour::picture.with_alpha(0.7f), ui.px(4));
     ui.draw.line({picture.right() - ui.px(8), y}, {picture.right() - ui.px(2), y}, colour::ink, ui.px(1.5f));
-    const Line words("{0}", {number(mm, 0)});
+    const bool last = static_cast<float>(mm + step_mm) * px_per_mm >= end;
+    const Line words(last ? ui.texts.millimetres : "{0}", {number(mm, 0)});
     const float width = ui.draw.width_of(Type::small, words);
     shadowed(ui, {picture.right() - ui.px(13) - width, y - ui.draw.height_of(Type::small) / 2}, Type::small,
              colour::ink, words);
   }
-  const std::string_view unit = "mm";
-  const float width = ui.draw.width_of(Type::small, unit);
-  shadowed(ui, {picture.right() - ui.px(6) - width, picture.y + ui.px(4)}, Type::small, colour::ink, unit);
 }
 
 double scale_length_mm(double px_per_mm, double most_px) {
@@ -62,9 +61,27 @@ void draw_scale_bar(Ui& ui, const Rect& picture, double px_per_mm) {
 
 void draw_orientation_mark(Ui& ui, const Rect& picture) {
   const float s = ui.px(8);
-  const Vec2 at{picture.x + ui.px(14), picture.y + ui.px(14)};
+  const Vec2 at{picture.right() - ui.px(14), picture.y + ui.px(14)};
   ui.draw.disc(at, s + ui.px(2), colour::picture.with_alpha(0.6f));
   ui.draw.disc(at, s * 0.75f, colour::accent);
+}
+
+void draw_orientation_arms(Ui& ui, const Rect& picture, Vec2 marked, Vec2 deep) {
+  const float arm = ui.px(17);
+  const Vec2 from{picture.x + ui.px(28), picture.y + ui.px(28)};
+  const Vec2 away = from + arm * deep;
+  const Vec2 side = from + arm * marked;
+  ui.draw.disc(from, arm + ui.px(7), colour::picture.with_alpha(0.55f));
+  ui.draw.line(from, away, colour::ink, ui.px(2));
+  if (length(deep) > 0.3f) {
+    const Vec2 along = (1 / length(deep)) * deep;
+    const Vec2 across{-along.y, along.x};
+    const float barb = ui.px(5);
+    ui.draw.line(away, away - barb * (along + across), colour::ink, ui.px(2));
+    ui.draw.line(away, away - barb * (along - across), colour::ink, ui.px(2));
+  }
+  ui.draw.line(from, side, colour::accent, ui.px(2));
+  ui.draw.disc(side, ui.px(4.5f), colour::accent);
 }
 
 void draw_badge(Ui& ui, Vec2 centre, Colour c, std::string_view words) {

@@ -99,6 +99,20 @@ void draw_marks(Ui& ui, const ReviewView& review, auto&& place, auto&& off) {
   }
 }
 
+// Of the sweep's middle B-scan, which stands for all: where its marked side is, and what lies deep.
+struct Sides {
+  Eigen::Vector3d marked;
+  Eigen::Vector3d deep;
+};
+Sides sides_of(const ReviewView& review) {
+  const auto& m = review.frames[review.frames.size() / 2]->world_from_image.linear;
+  return {m.col(0).normalized(), m.col(1).normalized()};
+}
+
+Vec2 seen(const Eigen::Vector3d& direction, const Eigen::Vector3d& right, const Eigen::Vector3d& down) {
+  return {static_cast<float>(direction.dot(right)), static_cast<float>(direction.dot(down))};
+}
+
 std::string_view short_name(Compounding c, const Texts& t) {
   if (c == Compounding::maximum) return t.maximum;
   return c == Compounding::minimum ? t.minimum : t.mean;
@@ -418,6 +432,11 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   place.corner_mm = {0.5 * (p.width - 1) * p.pixel_mm - 0.5 * inside.width / place.px_per_mm,
                      0.5 * (p.height - 1) * p.pixel_mm - 0.5 * inside.height / place.px_per_mm};
 
+  // A plane of the window's shape fills it; a pixel's worth of rounding is no other shape.
+  const double shape = inside.width / std::max(1.0f, inside.height);
+  if (std::abs(shape * std::max(1, p.height) / std::max(1, p.width) - 1) > 0.02)
+    ui.send(command::ShapePlane{shape});
+
   ui.draw.fill(inside, colour::no_data, ui.px(4));
   ui.draw.begin_clip(inside);
   ui.pictures.show(Slot::reslice, review.band);
@@ -445,6 +464,9 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
     return std::max(0.0, std::abs(on_plane(p, w).off_mm) - half_band);
   });
   draw_scale_bar(ui, inside, place.px_per_mm);
+  const Sides sides = sides_of(review);
+  draw_orientation_arms(ui, inside, seen(sides.marked, p.right.v, p.down.v),
+                        seen(sides.deep, p.right.v, p.down.v));
   ui.draw.end_clip();
 
   const std::uint64_t id = ui.widgets.add("reslice/picture", inside);
@@ -494,9 +516,10 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
   // The handle sits on the picture's lower edge: pulling it down makes the surface higher (the paper resizes
   // the window for the same).
   const float handle_height = std::min(ui.metrics.target * 0.6f, inside.height * 0.25f);
-  const Rect handle = inside.cut_bottom(handle_height);
+  inside.cut_bottom(handle_height);
   const float height = ui.draw.picture_height(Slot::manifold);
   const Rect place = fit(inside, width, height);
+  const Rect handle{place.x, place.bottom(), place.width, handle_height};
   ui.draw.fill(place, colour::no_data);
   ui.draw.picture(Slot::manifold, place, review.look);
   const double px_per_mm =
@@ -513,12 +536,17 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
     ui.draw.end_clip();
   }
   if (px_per_mm > 0) draw_scale_bar(ui, place, px_per_mm);
+  // Rows run along the plane's normal; where the columns point changes with the curve.
+  const Eigen::Vector3d across = Eigen::Vector3d::Zero();
+  const Sides sides = sides_of(review);
+  draw_orientation_arms(ui, place, seen(sides.marked, across, review.plane.normal().v),
+                        seen(sides.deep, across, review.plane.normal().v));
 
   const std::uint64_t id = ui.widgets.add("manifold/reach", handle);
   const bool held = ui.finger.down && ui.finger.target == id;
   const Vec2 c = handle.centre();
   ui.draw.fill({c.x - ui.px(44), c.y - ui.px(3), ui.px(88), ui.px(6)},
-               held ? colour::accent : colour::pressed, ui.px(3));
+               held ? colour::accent : colour::ink_quiet, ui.px(3));
   for (const Gesture& g : ui.gestures) {
     if (g.target != id || g.kind != Gesture::Kind::drag || !(px_per_mm > 0)) continue;
     // The picture is 2 r high and stays centred.
@@ -569,6 +597,11 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
   draw_marks(
       ui, review, [&](const Eigen::Vector3d& w) { return eye.at(w); },
       [](const Eigen::Vector3d&) { return 0.0; });
+  draw_scale_bar(ui, place, eye.px_per_mm());
+  const Sides sides = sides_of(review);
+  const Eigen::Matrix3d& e = eye.eye_from_world();
+  draw_orientation_arms(ui, place, seen(sides.marked, e.row(0), e.row(1)),
+                        seen(sides.deep, e.row(0), e.row(1)));
   ui.draw.end_clip();
   orbit_by_gestures(ui, "outline/picture", place, review.orbit);
   for (const Gesture& g : ui.gestures) {

@@ -1,6 +1,7 @@
 #include <array>
 
 #include "ui/controls.h"
+#include "ui/panels/lamps.h"
 #include "ui/panels/panels.h"
 
 namespace sonoband::ui {
@@ -9,11 +10,6 @@ namespace {
 constexpr std::array<std::string_view, 8> probe_names = {"set-up/probe-0", "set-up/probe-1", "set-up/probe-2",
                                                          "set-up/probe-3", "set-up/probe-4", "set-up/probe-5",
                                                          "set-up/probe-6", "set-up/probe-7"};
-
-Colour colour_of(Health h) {
-  if (h == Health::good) return colour::good;
-  return h == Health::starting || h == Health::degraded ? colour::warning : colour::alarm;
-}
 
 void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
   const Texts& t = ui.texts;
@@ -35,24 +31,37 @@ void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
     const Rect inside = line.inset(ui.px(14), ui.px(6));
     ui.draw.text_in(row(inside, 0, 2, 0), Align::left, Type::strong, colour::ink,
                     Line(t.probe_line, {p.name, number(p.depth_mm, 0)}));
-    const Line age = !p.calibrated              ? Line(t.not_calibrated, {})
-                     : p.calibration_days < 1.0 ? Line(t.calibrated_today, {})
-                                                : Line(t.calibrated_days, {number(p.calibration_days, 0)});
+    const Line age = !p.calibrated            ? Line(t.not_calibrated, {})
+                     : p.calibration_days < 0 ? Line(t.calibrated, {})
+                     : p.calibration_days < 1 ? Line(t.calibrated_today, {})
+                                              : Line(t.calibrated_days, {number(p.calibration_days, 0)});
     ui.draw.text_in(row(inside, 1, 2, 0), Align::left, Type::small,
                     p.calibrated ? colour::ink_quiet : colour::warning, age);
   }
 }
 
-void draw_devices(Ui& ui, const Rect& r, const SetUpView& s) {
-  Rect rest = panel(ui, "", r, ui.texts.devices, "").inside;
-  const float height = ui.px(44);
-  for (const DeviceLine& d : s.devices) {
+void draw_devices(Ui& ui, const Rect& r, const StatusView& s) {
+  const Texts& t = ui.texts;
+  Rect rest = panel(ui, "", r, t.devices, "").inside;
+  struct Device {
+    std::string_view name;
+    Lamp lamp;
+    std::string_view reason;
+  };
+  const Device all[] = {{t.scanner, scanner_lamp(s.scanner, t), s.scanner.reason},
+                        {t.tracker, tracker_lamp(s.tracker, t), s.tracker.reason},
+                        {t.pedal, pedal_lamp(s.pedal, t), s.pedal.reason},
+                        {t.storage, storage_lamp(s.storage, t), s.storage.reason}};
+  const float height = ui.px(52);
+  for (const Device& d : all) {
     if (rest.height < height) break;
     Rect line = rest.cut_top(height);
-    ui.draw.disc({line.x + ui.px(10), line.centre().y}, ui.px(6), colour_of(d.health));
-    line.cut_left(ui.px(28));
-    ui.draw.text_in(row(line, 0, 2, 0), Align::left, Type::body, colour::ink, d.name);
-    ui.draw.text_in(row(line, 1, 2, 0), Align::left, Type::small, colour::ink_quiet, d.detail);
+    ui.draw.disc({line.x + ui.px(12), line.centre().y}, ui.px(7), d.lamp.colour);
+    line.cut_left(ui.px(32));
+    const Rect words = line.inset(0, ui.px(4));
+    ui.draw.text_in(row(words, 0, 2, 0), Align::left, Type::body, colour::ink, d.name);
+    ui.draw.text_in(row(words, 1, 2, 0), Align::left, Type::small, colour::ink_quiet,
+                    d.reason.empty() ? d.lamp.words.view() : d.reason);
   }
 }
 
@@ -72,15 +81,25 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
   const Texts& t = ui.texts;
   const SetUpView& s = view.set_up;
   const float gap = ui.px(8);
-  const Rect left = column(r, 0, 2, gap);
+  const float line = ui.px(26);
+  const float title = ui.px(38);
+  Rect left = column(r, 0, 2, gap);
   Rect right = column(r, 1, 2, gap);
-  Rect upper = left;
-  const Rect devices = upper.cut_bottom(left.height * 0.46f);
-  upper.cut_bottom(gap);
-  draw_probes(ui, upper, s);
-  draw_devices(ui, devices, s);
+  const auto lines = static_cast<float>(std::clamp<std::size_t>(s.probes.size(), 1, 4));
+  draw_probes(
+      ui, left.cut_top(title + lines * (std::max(ui.metrics.target, ui.px(60)) + ui.px(6)) + ui.px(8)), s);
+  left.cut_top(gap);
+  draw_devices(ui, left.cut_top(title + 4 * ui.px(52) + ui.px(12)), view.status);
+  left.cut_top(gap);
+  if (s.capture_width > 0 && left.height >= title + line + ui.px(16)) {
+    const Rect inside = panel(ui, "", left.cut_top(title + line + ui.px(16)), t.crop, "").inside;
+    ui.draw.text_in(
+        {inside.x + ui.px(4), inside.y, inside.width, line}, Align::left, Type::body, colour::ink,
+        Line(t.crop_line, {number(s.crop_px.width, 0), number(s.crop_px.height, 0), number(s.crop_px.x, 0),
+                           number(s.crop_px.y, 0), number(s.capture_width, 0), number(s.capture_height, 0)}));
+  }
 
-  const float either = ui.px(38) + ui.metrics.target + ui.px(46);
+  const float either = title + ui.metrics.target + ui.px(46);
   const bool hold = s.pedal_mode == PedalMode::hold;
   const int mode = draw_either(ui, right.cut_top(either), t.pedal_mode,
                                {{"set-up/hold", t.hold_mode}, {"set-up/toggle", t.toggle_mode}}, hold ? 0 : 1,
@@ -88,31 +107,22 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
   if (mode >= 0) ui.send(command::ChoosePedalMode{mode == 0 ? PedalMode::hold : PedalMode::toggle});
   right.cut_top(gap);
   if (s.has_sound) {
-    const int sound = draw_either(
-        ui, right.cut_top(either), t.sound,
-        {{"set-up/sound-on", t.on, Icon::sound}, {"set-up/sound-off", t.off, Icon::silent}}, s.sound ? 0 : 1,
-        t.sound_words);
+    const int sound =
+        draw_either(ui, right.cut_top(either), t.sound,
+                    {{"set-up/sound-on", t.on, Icon::sound}, {"set-up/sound-off", t.off, Icon::silent}},
+                    s.sound ? 0 : 1, t.sound_words);
     if (sound >= 0) ui.send(command::SetSound{sound == 0});
     right.cut_top(gap);
   }
 
-  const float line = ui.px(26);
-  if (s.capture_width > 0) {
-    const Rect crop = right.cut_top(std::min(right.height, ui.px(38) + line + ui.px(16)));
-    const Rect inside = panel(ui, "", crop, t.crop, "").inside;
-    ui.draw.text_in(
-        {inside.x + ui.px(4), inside.y, inside.width, line}, Align::left, Type::body, colour::ink,
-        Line(t.crop_line, {number(s.crop_px.width, 0), number(s.crop_px.height, 0), number(s.crop_px.x, 0),
-                           number(s.crop_px.y, 0), number(s.capture_width, 0), number(s.capture_height, 0)}));
-    right.cut_top(gap);
-  }
-  const Rect storage = right.cut_top(std::min(right.height, ui.px(38) + line + ui.px(16)));
+  const Rect storage = right.cut_top(std::min(right.height, title + line + ui.px(16)));
   const Rect place = panel(ui, "", storage, t.storage, "").inside;
   ui.draw.text_in({place.x + ui.px(4), place.y, place.width, line}, Align::left, Type::body, colour::ink,
                   Line(t.storage_line, {s.storage_place, number(view.status.storage.minutes_left, 0)}));
   right.cut_top(gap);
   if (right.height < ui.px(70)) return;
-  Rect about = panel(ui, "", right, t.about, "").inside.inset(ui.px(4), 0);
+  Rect about =
+      panel(ui, "", right.cut_top(title + 2 * line + ui.px(16)), t.about, "").inside.inset(ui.px(4), 0);
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::ink, Line(t.about_line, {s.version}));
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::warning, t.research_only);
 }
