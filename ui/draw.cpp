@@ -75,11 +75,14 @@ float Draw::height_of(Type type) const {
 }
 
 float Draw::width_of(Type type, std::string_view text) const {
+  if (text.empty()) return 0;
   const ImFont* font = font_of(frame_, type);
   return font->CalcTextSizeA(font->FontSize, FLT_MAX, 0, text.data(), text.data() + text.size()).x;
 }
 
 void Draw::text(Vec2 top_left, Type type, Colour c, std::string_view text) {
+  // Dear ImGui takes the length of a null pointer for its own to measure.
+  if (text.empty()) return;
   const ImFont* font = font_of(frame_, type);
   // Whole pixels keep glyphs as sharp as they were rasterised.
   frame_.list->AddText(font, font->FontSize, {std::round(top_left.x), std::round(top_left.y)}, im(c),
@@ -108,6 +111,7 @@ void Draw::text_in(const Rect& r, Align align, Type type, Colour c, std::string_
 }
 
 float Draw::paragraph(const Rect& r, Type type, Colour c, std::string_view words) {
+  if (words.empty()) return 0;
   const ImFont* font = font_of(frame_, type);
   const char* end = words.data() + words.size();
   frame_.list->AddText(font, font->FontSize, {std::round(r.x), std::round(r.y)}, im(c), words.data(), end,

@@ -75,8 +75,7 @@ struct Texts {
   Words reslice = "Reslice";
   Words manifold = "Manifold";
   Words bscan_of = "B-scan {0} of {1}";
-  Words reslice_detail = "{0} mm · {1} · {2} ms";
-  Words reslice_thin = "thin · {0} ms";
+  Words reslice_detail = "{0} mm · {1}";
   Words coarse = "coarse while moving";
   Words manifold_detail = "{0} mm · r {1} mm · {2} layers";
   Words tap_outline = "tap an outline to go there";

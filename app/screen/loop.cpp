@@ -18,7 +18,8 @@ constexpr Duration growth_every = std::chrono::milliseconds(120);
 constexpr Duration numbers_every = std::chrono::seconds(1);  // of the lamps, while nothing else is drawn
 constexpr Duration disk_every = std::chrono::seconds(5);
 constexpr std::size_t most_sweeps = 6;  // the ring holds 8, one of them grows
-constexpr double room_s = 15;           // of new recording that old sweeps must make way for
+// Of new recording that old sweeps must make way for; in a small ring a quarter of it.
+constexpr double room_s = 15;
 
 std::string local_time() {
   const std::time_t now = std::time(nullptr);
@@ -74,7 +75,7 @@ void ScreenLoop::follow_sweep(Stamp now) {
     growing_ = std::make_shared<Sweep>(std::move(*sweep));
     session_.begin_sweep(static_cast<std::uint64_t>(growing_->id()));
     next_growth_ = now;
-    recorded_ = true;
+    ++sweeps_taken_;
     at_press_ = cart_.status().cart.acquisition.ledger;
   }
   if (!growing_) return;
@@ -94,8 +95,10 @@ void ScreenLoop::follow_sweep(Stamp now) {
   if (growing_->ledger() != nullptr) sweep_ledger_ = *growing_->ledger();
   growing_.reset();
   const cart::ApplianceStatus& status = cart_.status();
+  const double ring_s = cart_.ring().settings().slots / std::max(1.0, status.cart.acquisition.frames_hz);
+  const double room = std::min(room_s, ring_s / 4);
   while (session_.sweep_count() > most_sweeps ||
-         (status.cart.ring_seconds > 0 && status.cart.ring_seconds < room_s)) {
+         status.cart.ring.room < room * std::max(1.0, status.cart.acquisition.frames_hz)) {
     if (!session_.let_go_oldest()) break;
     if (session_.sweep_count() <= most_sweeps) break;  // the ring's own count follows a moment later
   }
@@ -128,9 +131,12 @@ bool ScreenLoop::listen(Stamp now) {
     const FrameLease lease = cart_.latest();
     news = news || (lease && lease.frame().tracked.captured != drawn_picture_);
   }
+  return news || session_.moving() || session_.changed() || screen_.wants_frame() || rendered();
+}
+
+bool ScreenLoop::rendered() const {
   const auto result = worker_.newest();
-  return news || session_.moving() || session_.changed() || screen_.wants_frame() ||
-         (result && result->version != drawn_result_);
+  return result && result->version != drawn_result_;
 }
 
 Duration ScreenLoop::may_sleep() const {
@@ -157,9 +163,9 @@ void ScreenLoop::fill_live(Stamp now, double fps) {
   // An old picture must not pass for a live one.
   if (scanner == ui::Health::absent || scanner == ui::Health::silent) live.picture = {};
   live.recording = state_ == cart::State::recording;
-  live.first_time = !recorded_;
+  live.first_time = sweeps_taken_ == 0;
   live.widest_gap_mm = options_.beam_width_mm;
-  live.seconds_left = status.cart.ring_seconds;
+  live.seconds_left = view_.status.ring.seconds_free;
   if (!live.recording) return;
   live.recorded = now - status.cart.recording_since;
   live.speed_mm_s = speed_mm_s_;

@@ -29,6 +29,8 @@ class ScreenLoop {
   bool quits() const { return quits_; }
   bool wants_full_screen_toggle() { return std::exchange(toggle_, false); }
   void wait_for_renderings() const { worker_.wait(); }
+  // A rendering waits to be drawn.
+  bool rendered() const;
   // How long nothing can be missed by sleeping, input and finished renderings aside.
   Duration may_sleep() const;
 
@@ -42,6 +44,9 @@ class ScreenLoop {
   const Times& times() const { return times_; }
   const RenderWorker& worker() const { return worker_; }
   const Session& session() const { return session_; }
+  // Of the last frame; pictures and lists in it are no longer valid.
+  const ui::View& view() const { return view_; }
+  std::uint64_t sweeps_taken() const { return sweeps_taken_; }
   const ui::Screen& screen() const { return screen_; }
   cart::State state() const { return state_; }
   // Pixels of the last frame, or of the widget called `part` of it, to this file in the shots folder.
@@ -95,7 +100,7 @@ class ScreenLoop {
   std::optional<Motion> motion_;
   double speed_mm_s_ = 0;
   Times times_;
-  bool recorded_ = false;  // in this run
+  std::uint64_t sweeps_taken_ = 0;  // in this run
   bool button_started_ = false;
   bool quits_ = false;
   bool toggle_ = false;

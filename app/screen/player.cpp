@@ -31,8 +31,10 @@ void Player::play(const script::Step& step) {
 void Player::frame() {
   cart_.clock().sleep_until(cart_.clock().now() + frame_time);
   const Stamp now = cart_.clock().now();
-  loop_.listen(now);
+  const bool news = loop_.listen(now);
   loop_.wait_for_renderings();
+  // As in a window: a frame is drawn only when there is something new in it.
+  if (!news && input_.empty() && !loop_.rendered()) return;
   loop_.draw(input_, now);
   input_.clear();
 }
@@ -153,6 +155,7 @@ void Player::touch(const script::KeyPress& press) {
 
 void Player::touch(const script::Shot& shot) {
   frames(2);
+  loop_.draw(input_, cart_.clock().now());
   loop_.save(shot.file);
 }
 

@@ -19,8 +19,8 @@ class Player {
 
   // Throws script::ScriptFailed when the pedal, a widget or a state is not there.
   void play(const script::Step& step);
-  // 1/60 s passes and the screen is drawn, with the renderings it asked for: the simulated clock stands still
-  // meanwhile, so pictures do not depend on how fast the machine renders.
+  // 1/60 s passes and the screen is drawn if there is anything new, with the renderings it asked for: the
+  // simulated clock stands still meanwhile, so pictures do not depend on how fast the machine renders.
   void frame();
 
   // What the fingers do between frames, for those who play without a script.

@@ -55,7 +55,7 @@ class Session {
   void fill(ui::View& view);
 
   // Something moves by itself: draw another frame.
-  bool moving() const { return playing_ || fling_ != 0 || worker_.busy(); }
+  bool moving() const { return playing_ || fling_ != 0; }
 
   void say(std::string notice, Duration how_long = std::chrono::seconds(5));
   ui::Page page() const { return page_; }

@@ -76,7 +76,8 @@ void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, d
   view.pedal.reason = status.pedal.health.reason;
   view.pedal.down = status.cart.pedal_down;
   view.storage.minutes_left = storage_minutes;
-  view.ring.seconds_free = status.cart.ring_seconds;
+  // Not the cart's own forecast: that is 0 while a frozen picture takes no room at all.
+  view.ring.seconds_free = status.cart.ring.room / std::max(1.0, acquisition.frames_hz);
   view.ring.seconds_in_all = ring_seconds;
 
   // A picture shown twice is the scanner's own rate below the video's, not a loss of ours.

@@ -67,8 +67,9 @@ void draw_orientation_mark(Ui& ui, const Rect& picture) {
 }
 
 void draw_orientation_arms(Ui& ui, const Rect& picture, Vec2 marked, Vec2 deep) {
-  const float arm = ui.px(17);
-  const Vec2 from{picture.x + ui.px(28), picture.y + ui.px(28)};
+  const float arm = std::min(ui.px(17), 0.08f * std::min(picture.width, picture.height));
+  const float inset = arm + ui.px(11);
+  const Vec2 from{picture.x + inset, picture.y + inset};
   const Vec2 away = from + arm * deep;
   const Vec2 side = from + arm * marked;
   ui.draw.disc(from, arm + ui.px(7), colour::picture.with_alpha(0.55f));

@@ -407,9 +407,8 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   const Texts& t = ui.texts;
   const double thickness = review.settings.band.thickness_mm;
   Line detail = thickness > 0 ? Line(t.reslice_detail,
-                                     {number(thickness, 1), short_name(review.settings.compounding, t),
-                                      number(review.band_ms, 1)})
-                              : Line(t.reslice_thin, {number(review.band_ms, 1)});
+                                     {number(thickness, 1), short_name(review.settings.compounding, t)})
+                              : Line(t.thin, {});
   if (review.band_coarse) detail = Line(t.coarse, {});
   const bool any = !review.frames.empty();
   const PanelFrame frame = panel(ui, "reslice/title", r, t.reslice, any ? detail.view() : std::string_view(),
@@ -524,6 +523,7 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
   ui.draw.picture(Slot::manifold, place, review.look);
   const double px_per_mm =
       review.manifold_pixel_mm > 0 ? place.width / (width * review.manifold_pixel_mm) : 0;
+  float labelled_to = place.x;
   for (const CurveView::Smear& s : review.curve.smeared) {
     // s runs down the picture when rows are rulings, so a smeared stretch is a band across it.
     const double length_mm = std::max(1e-6, review.curve.length_mm);
@@ -531,8 +531,11 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
     const auto x1 = static_cast<float>(place.x + place.width * s.to_mm / length_mm);
     ui.draw.begin_clip(place);
     ui.draw.fill({x0, place.y, std::max(ui.px(2), x1 - x0), place.height}, colour::smeared.with_alpha(0.25f));
-    ui.draw.text_in({x0 + ui.px(3), place.bottom() - ui.px(22), ui.px(80), ui.px(20)}, Align::left,
-                    Type::small, colour::smeared, t.smeared);
+    const float words = ui.draw.width_of(Type::small, t.smeared) + ui.px(8);
+    if (x0 >= labelled_to && x0 + words < place.right()) {
+      ui.draw.text({x0 + ui.px(3), place.y + ui.px(4)}, Type::small, colour::smeared, t.smeared);
+      labelled_to = x0 + words;
+    }
     ui.draw.end_clip();
   }
   if (px_per_mm > 0) draw_scale_bar(ui, place, px_per_mm);

@@ -1,0 +1,167 @@
+// One job at a time, the newest wins, and what it paints is the core's own picture.
+#include "app/screen/render_worker.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/support/test_sweep.h"
+
+namespace sonoband::test {
+namespace {
+
+constexpr double pixel_mm = 0.5;
+
+// 40 B-scans of 80 x 60 pixels, 1 mm apart along z, whose greys tell where they are.
+TestSweep make_sweep() {
+  TestSweep sweep;
+  for (int i = 0; i < 40; ++i) {
+    sweep.add(80, 60, image_pose(Eigen::Matrix3d::Identity(), {0, 0, 1.0 * i}, pixel_mm),
+              [](int, int, const Eigen::Vector3d& p) {
+                return static_cast<std::uint8_t>(128 + 100 * std::sin(0.4 * p.x()) *
+                                                           std::cos(0.3 * p.y() + 0.2 * p.z()));
+              });
+  }
+  return sweep;
+}
+
+RenderRequest request_on(const TestSweep& sweep) {
+  RenderRequest request;
+  request.sweep = {sweep.view(), nullptr};
+  request.sweep_version = 1;
+  request.plane =
+      *make_plane({20, 0, 0}, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), 78, 60, pixel_mm);
+  request.curve_plane = request.plane;
+  request.settings.band.step_mm = pixel_mm;
+  request.settings.band.thickness_mm = 5;
+  return request;
+}
+
+const std::vector<Eigen::Vector2d> bend = {{5, 10}, {15, 8}, {25, 14}, {33, 22}};
+
+std::shared_ptr<const RenderResult> answer(RenderWorker& worker, const RenderRequest& request) {
+  worker.ask(request);
+  worker.wait();
+  return worker.newest();
+}
+
+bool same(const BandImage& a, const BandImage& b) {
+  if (a.pixels.width() != b.pixels.width() || a.pixels.height() != b.pixels.height()) return false;
+  for (int y = 0; y < a.pixels.height(); ++y) {
+    for (int x = 0; x < a.pixels.width(); ++x) {
+      if (a.pixels.view()(x, y) != b.pixels.view()(x, y) ||
+          a.coverage.view()(x, y) != b.coverage.view()(x, y))
+        return false;
+    }
+  }
+  return true;
+}
+
+TEST(RenderWorker, PaintsTheCoresBand) {
+  const TestSweep sweep = make_sweep();
+  const RenderRequest request = request_on(sweep);
+  RenderWorker worker(2);
+  const auto result = answer(worker, request);
+  Serial serial;
+  EXPECT_TRUE(
+      same(result->planar->band, render_planar(sweep.view(), request.plane, request.settings, serial)));
+  EXPECT_FALSE(result->manifold);
+  EXPECT_EQ(worker.counts().done, 1u);
+}
+
+TEST(RenderWorker, UnrollsTheCoresManifoldAlongItsColumns) {
+  const TestSweep sweep = make_sweep();
+  RenderRequest request = request_on(sweep);
+  request.curve_mm = bend;
+  request.reach_mm = 8;
+  RenderWorker worker(2);
+  const auto result = answer(worker, request);
+  ASSERT_TRUE(result->manifold);
+  Serial serial;
+  CurveSettings as_drawn{.pixel_mm = pixel_mm, .smooth_px = 0};
+  ManifoldSettings settings;
+  settings.reach_mm = 8;
+  settings.render = request.settings;
+  const Curve curve = make_curve(bend, as_drawn).curve;
+  const ManifoldBand core = render_manifold(sweep.view(), request.plane, curve, settings, serial);
+  const BandImage& shown = result->manifold->band;
+  ASSERT_EQ(shown.pixels.width(), core.image.pixels.height());
+  ASSERT_EQ(shown.pixels.height(), core.image.pixels.width());
+  for (int y = 0; y < shown.pixels.height(); ++y) {
+    for (int x = 0; x < shown.pixels.width(); ++x)
+      ASSERT_EQ(shown.pixels.view()(x, y), core.image.pixels.view()(y, x)) << x << ", " << y;
+  }
+  EXPECT_EQ(result->manifold->up, core.up);
+  EXPECT_EQ(result->manifold->down, core.down);
+  EXPECT_NEAR(result->manifold->length_mm, length_mm(curve), 1e-9);
+}
+
+TEST(RenderWorker, WhatDidNotChangeIsNotPaintedAgain) {
+  const TestSweep sweep = make_sweep();
+  RenderRequest request = request_on(sweep);
+  request.curve_mm = bend;
+  request.reach_mm = 8;
+  RenderWorker worker(1);
+  const auto first = answer(worker, request);
+  request.plane.origin.v.y() += 1;  // the picture moves, the surface stays
+  const auto moved = answer(worker, request);
+  EXPECT_NE(moved->planar, first->planar);
+  EXPECT_EQ(moved->manifold, first->manifold);
+  request.reach_mm = 9;  // the other way round
+  const auto higher = answer(worker, request);
+  EXPECT_EQ(higher->planar, moved->planar);
+  EXPECT_NE(higher->manifold, moved->manifold);
+  request.settings.compounding = Compounding::minimum;
+  const auto darker = answer(worker, request);
+  EXPECT_NE(darker->planar, higher->planar);
+  EXPECT_NE(darker->manifold, higher->manifold);
+  request.sweep_version = 2;
+  EXPECT_NE(answer(worker, request)->planar, darker->planar);
+}
+
+TEST(RenderWorker, TheNewestOfManyWinsAndNoneIsHalfAPicture) {
+  const TestSweep sweep = make_sweep();
+  RenderRequest request = request_on(sweep);
+  request.settings.band.thickness_mm = 15;
+  RenderWorker worker(2);
+  constexpr int many = 200;
+  for (int i = 0; i < many; ++i) {
+    request.plane.origin.v.x() = 5 + 0.1 * i;
+    worker.ask(request);
+  }
+  worker.wait();
+  const auto last = worker.newest();
+  EXPECT_EQ(last->planar->plane.origin.v.x(), request.plane.origin.v.x());
+  Serial serial;
+  EXPECT_TRUE(same(last->planar->band, render_planar(sweep.view(), request.plane, request.settings, serial)));
+  const auto counts = worker.counts();
+  EXPECT_EQ(counts.asked, static_cast<std::uint64_t>(many));
+  EXPECT_EQ(counts.done + counts.given_up, counts.asked);
+  EXPECT_GT(counts.given_up, 0u);
+}
+
+TEST(RenderWorker, LetsGoOfTheSweepOnceItIsPainted) {
+  const TestSweep sweep = make_sweep();
+  auto keeper = std::make_shared<int>(0);
+  RenderWorker worker(1);
+  RenderRequest request = request_on(sweep);
+  request.sweep.keeper = keeper;
+  worker.ask(std::move(request));
+  worker.wait();
+  EXPECT_EQ(keeper.use_count(), 1) << "the ring would never get its room back";
+}
+
+TEST(RenderWorker, EndsWithAJobInFlight) {
+  const TestSweep sweep = make_sweep();
+  RenderRequest request = request_on(sweep);
+  request.settings.band.thickness_mm = 30;
+  std::atomic<int> finished{0};
+  {
+    RenderWorker worker(2, [&] { ++finished; });
+    for (int i = 0; i < 5; ++i) worker.ask(request);
+  }
+  EXPECT_LE(finished.load(), 5);
+}
+
+}  // namespace
+}  // namespace sonoband::test

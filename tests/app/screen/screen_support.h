@@ -1,0 +1,65 @@
+// A simulated cart with a screen in memory, and faults where a test wants them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/screen/loop.h"
+#include "app/screen/player.h"
+#include "hal/sim/liberty_sim.h"
+#include "hal/sim/sim_footswitch.h"
+#include "hal/sim/sim_frame_source.h"
+#include "hal/sim/virtual_clock.h"
+#include "ui/host/headless.h"
+
+namespace sonoband::test {
+
+struct CartFaults {
+  std::vector<sim::FrameFault> frames;  // from the start of the cart
+  std::vector<sim::Fault> tracker;      // at: from the clock's start
+  std::vector<sim::PedalFault> pedal;
+};
+
+struct ScreenCartSettings {
+  ScreenOptions screen;
+  CartFaults faults;
+  std::uint32_t ring_frames = 300;
+  double frames_hz = 30;
+};
+
+// The clock starts at 1000 s. One at a time; the thread that makes it plays.
+class ScreenCart {
+ public:
+  explicit ScreenCart(ScreenCartSettings settings = {});
+  ~ScreenCart();  // stops the cart
+
+  void play(const std::string& script);
+  // Pixels of the screen drawn anew; fails the test when GL had an error since the start.
+  ui::Rgba shot();
+  // With SONOBAND_SHOTS set, also as NAME.png there.
+  ui::Rgba shot(const std::string& name);
+  bool has(const std::string& widget) const { return loop().screen().widgets().find(widget).has_value(); }
+  ScreenLoop& loop() const { return *loop_; }
+  Player& player() { return *player_; }
+  ui::HeadlessSurface& surface() { return *surface_; }
+  cart::Appliance& cart() { return *cart_; }
+  const Foot& foot() const { return foot_; }
+  Clock& clock() { return *clock_; }
+  const ScreenOptions& options() const { return settings_.screen; }
+
+ private:
+  ScreenCartSettings settings_;
+  std::shared_ptr<sim::VirtualClock> clock_ = std::make_shared<sim::VirtualClock>();
+  std::optional<ClockMember> member_;
+  std::unique_ptr<cart::Appliance> cart_;
+  Foot foot_;
+  std::unique_ptr<ui::HeadlessSurface> surface_;
+  std::unique_ptr<ScreenLoop> loop_;
+  std::unique_ptr<Player> player_;
+};
+
+// Of one test, empty at its start.
+std::filesystem::path scratch_folder();
+
+}  // namespace sonoband::test
