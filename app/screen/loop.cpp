@@ -55,6 +55,8 @@ ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOpti
               ui::Texts{}) {
   const ProbeOptions& probe = options_.probe;
   probes_[0] = {probe.name, probe.depth_mm, probe.calibrated, -1};
+  if (cart_.exams() != nullptr && !cart_.exams()->recovered().empty())
+    session_.say(cart_.exams()->recovered().back(), std::chrono::seconds(20));
 }
 
 void ScreenLoop::measure_speed(const TrackedFrame& frame) {
@@ -95,10 +97,9 @@ void ScreenLoop::follow_sweep(Stamp now) {
   if (growing_->ledger() != nullptr) sweep_ledger_ = *growing_->ledger();
   growing_.reset();
   const cart::ApplianceStatus& status = cart_.status();
-  const double ring_s = cart_.ring().settings().slots / std::max(1.0, status.cart.acquisition.frames_hz);
+  const double ring_s = cart_.ring().settings().slots / fps_;
   const double room = std::min(room_s, ring_s / 4);
-  while (session_.sweep_count() > most_sweeps ||
-         status.cart.ring.room < room * std::max(1.0, status.cart.acquisition.frames_hz)) {
+  while (session_.sweep_count() > most_sweeps || status.cart.ring.room < room * fps_) {
     if (!session_.let_go_oldest()) break;
     if (session_.sweep_count() <= most_sweeps) break;  // the ring's own count follows a moment later
   }
@@ -176,18 +177,27 @@ void ScreenLoop::fill_live(Stamp now, double fps) {
 void ScreenLoop::fill(Stamp now) {
   const cart::ApplianceStatus& status = cart_.status();
   const RingSettings& ring = cart_.ring().settings();
-  const double fps = std::max(1.0, status.cart.acquisition.frames_hz);
+  // While the scanner is silent, what it sent before is the best forecast.
+  const double now_hz = status.cart.acquisition.frames_hz;
+  if (now_hz > 0.9 * fps_ || status.frames.health.state == DeviceState::running) fps_ = std::max(5.0, now_hz);
+  const double fps = fps_;
   view_ = {};
   if (!disk_asked_ || now - *disk_asked_ > disk_every) {
     disk_asked_ = now;
-    disk_bytes_ = bytes_on_disk(options_.shots);
+    disk_bytes_ = bytes_on_disk(storage());
   }
   const double minutes = static_cast<double>(disk_bytes_) / (fps * ring.width * ring.height * 60);
-  fill_status(status, sweep_ledger_, minutes, ring.slots / fps, losses_, view_.status);
+  fill_status(status, sweep_ledger_, minutes, fps, ring.slots, losses_, view_.status);
   view_.status.pedal.mode = session_.pedal_mode();
   fill_live(now, fps);
   view_.set_up.version = options_.version;
-  view_.set_up.storage_place = options_.shots.native();
+  if (cart_.exams() != nullptr) {
+    saving_ = cart_.exams()->status().sentence;
+    view_.status.storage.reason = saving_;
+    if (!saving_.empty()) view_.status.storage.health = ui::Health::fault;
+    view_.exams.on_disk = true;
+  }
+  view_.set_up.storage_place = storage().native();
   view_.set_up.probes = probes_;
   view_.set_up.crop_px = options_.probe.crop_px;
   view_.set_up.capture_width = options_.probe.capture_width;
@@ -251,7 +261,13 @@ void ScreenLoop::carry_out(const ui::Command& command) {
       static_cast<void>(cart_.command(cart::Command::show_live));
     }
   }
+  if (std::holds_alternative<c::NewExam>(command) && cart_.exams() != nullptr)
+    cart_.exams()->new_exam(session_.typed_label());
   session_.apply(command);
+}
+
+const std::filesystem::path& ScreenLoop::storage() const {
+  return cart_.exams() != nullptr ? cart_.exams()->place() : options_.shots;
 }
 
 void ScreenLoop::save(const std::string& file, std::string_view part) {

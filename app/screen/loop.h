@@ -88,6 +88,10 @@ class ScreenLoop {
   std::shared_ptr<Sweep> growing_;
   std::optional<Stamp> next_growth_;
   cart::State state_ = cart::State::idle;
+  // Where sweeps are saved, or else snapshots.
+  const std::filesystem::path& storage() const;
+  std::string saving_;  // what is wrong with saving
+  double fps_ = 25;     // that the scanner sends when it does
   Lamps lamps_;
   FrameLease lease_;  // while a frame is made
   std::array<ui::ProbeView, 1> probes_;

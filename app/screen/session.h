@@ -60,6 +60,7 @@ class Session {
   void say(std::string notice, Duration how_long = std::chrono::seconds(5));
   ui::Page page() const { return page_; }
   bool sound() const { return sound_; }
+  const std::string& typed_label() const { return new_label_; }
   ui::PedalMode pedal_mode() const { return pedal_mode_; }
   // A snapshot was asked for: of this window (none: the whole screen). Asked once.
   std::optional<ui::Window> take_snapshot();

@@ -62,7 +62,7 @@ LossLedger booked_since(const LossLedger& then, const LossLedger& now) {
 }
 
 void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, double storage_minutes,
-                 double ring_seconds, LossLines& losses, ui::StatusView& view) {
+                 double fps, std::uint32_t ring_slots, LossLines& losses, ui::StatusView& view) {
   const cart::AcquisitionStatus& acquisition = status.cart.acquisition;
   view.scanner.health = health_of(status.frames.health);
   view.scanner.reason = status.frames.health.reason;
@@ -77,8 +77,8 @@ void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, d
   view.pedal.down = status.cart.pedal_down;
   view.storage.minutes_left = storage_minutes;
   // Not the cart's own forecast: that is 0 while a frozen picture takes no room at all.
-  view.ring.seconds_free = status.cart.ring.room / std::max(1.0, acquisition.frames_hz);
-  view.ring.seconds_in_all = ring_seconds;
+  view.ring.seconds_free = status.cart.ring.room / fps;
+  view.ring.seconds_in_all = ring_slots / fps;
 
   // A picture shown twice is the scanner's own rate below the video's, not a loss of ours.
   const LossLedger& ledger = sweep;

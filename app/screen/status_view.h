@@ -15,8 +15,8 @@ using LossLines = std::array<ui::LossLine, ledger_line_count>;
 LossLedger booked_since(const LossLedger& then, const LossLedger& now);
 
 // `sweep`: what became of the frames of the growing or last sweep. `storage_minutes`: of recording that the
-// disk still takes; `ring_seconds`: that the ring holds in all.
+// disk still takes. `fps`: that the scanner sends when it does; `ring_slots`: frames the ring holds in all.
 void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, double storage_minutes,
-                 double ring_seconds, LossLines& losses, ui::StatusView& view);
+                 double fps, std::uint32_t ring_slots, LossLines& losses, ui::StatusView& view);
 
 }  // namespace sonoband

@@ -43,6 +43,7 @@ void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
 void draw_devices(Ui& ui, const Rect& r, const StatusView& s) {
   const Texts& t = ui.texts;
   Rect rest = panel(ui, "", r, t.devices, "").inside;
+  ui.widgets.add("set-up/devices", r);
   struct Device {
     std::string_view name;
     Lamp lamp;
@@ -117,6 +118,7 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
 
   const Rect storage = right.cut_top(std::min(right.height, title + line + ui.px(16)));
   const Rect place = panel(ui, "", storage, t.storage, "").inside;
+  ui.widgets.add("set-up/storage", storage);
   ui.draw.text_in({place.x + ui.px(4), place.y, place.width, line}, Align::left, Type::body, colour::ink,
                   Line(t.storage_line, {s.storage_place, number(view.status.storage.minutes_left, 0)}));
   right.cut_top(gap);
