@@ -112,6 +112,11 @@ void HeadlessSurface::resize(int width, int height) {
   egl_->make_framebuffer(width, height);
 }
 
+void HeadlessSurface::finish() {
+  egl_->make_current();
+  glFinish();
+}
+
 Rgba HeadlessSurface::read() {
   begin_frame();
   return gl::read_pixels(egl_->width, egl_->height);

@@ -25,6 +25,7 @@ class HeadlessSurface final : public Surface {
   Rgba read() override;  // also after end_frame
 
   void resize(int width, int height);
+  void finish();  // waits until all is drawn that was asked for: for timings
   Input& inject() { return injected_; }
 
  private:
