@@ -26,7 +26,8 @@ std::shared_ptr<PictureOutputs> add_picture_outputs(CLI::App& verb);
 // choose_plane; a plane that was not given is printed, so that it can be given next time.
 ReslicePlane plane_of(const PlaneOptions& options, const SweepView& sweep, const std::string& world);
 
-// {sequence, plane, band, compounding, interpolation, gap_mm, pixels, frames, coverage, milliseconds, warnings}
+// {sequence, plane, band, compounding, interpolation, gap_mm, pixels, frames, coverage, milliseconds,
+// warnings}
 Json picture_json(const SweepOptions& options, const exchange::SequenceSweep& sweep,
                   const ReslicePlane& plane, const RenderSettings& settings, const BandImage& image,
                   double milliseconds);

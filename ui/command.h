@@ -184,17 +184,17 @@ struct SetSound {
 using Command = std::variant<
     command::Pedal, command::GoTo, command::OpenSheet, command::ToggleFullScreen, command::Quit,
     command::ShowFrame, command::StepFrames, command::Play, command::Fling, command::MovePlane,
-    command::ZoomPlane, command::TurnPlane, command::PushPlane, command::TiltPlane, command::ResetPlane, command::ShapePlane,
-    command::Touching, command::BeginStroke, command::ExtendStroke, command::EndStroke, command::GrabVertex,
-    command::DragVertex, command::DropVertex, command::ClearCurve, command::UndoCurve, command::RedoCurve,
-    command::SetReach, command::PlaceLandmark, command::RemoveLandmark, command::AddMeasurePoint,
-    command::FinishMeasure, command::ClearMeasures, command::ChooseMeasure, command::BeginContour,
-    command::ExtendContour, command::EndContour, command::RemoveContour, command::ChooseTool,
-    command::SetThickness, command::ChooseCompounding, command::ChooseInterpolation, command::SetLook,
-    command::FillPage, command::SetOrbit, command::Snapshot, command::SelectExam, command::OpenExam,
-    command::NewExam, command::TypeLabel, command::DeleteExam, command::UndoDelete, command::ScrollExams,
-    command::ChooseExport, command::StartExport, command::CancelExport, command::ChooseProbe,
-    command::ChoosePedalMode, command::SetSound>;
+    command::ZoomPlane, command::TurnPlane, command::PushPlane, command::TiltPlane, command::ResetPlane,
+    command::ShapePlane, command::Touching, command::BeginStroke, command::ExtendStroke, command::EndStroke,
+    command::GrabVertex, command::DragVertex, command::DropVertex, command::ClearCurve, command::UndoCurve,
+    command::RedoCurve, command::SetReach, command::PlaceLandmark, command::RemoveLandmark,
+    command::AddMeasurePoint, command::FinishMeasure, command::ClearMeasures, command::ChooseMeasure,
+    command::BeginContour, command::ExtendContour, command::EndContour, command::RemoveContour,
+    command::ChooseTool, command::SetThickness, command::ChooseCompounding, command::ChooseInterpolation,
+    command::SetLook, command::FillPage, command::SetOrbit, command::Snapshot, command::SelectExam,
+    command::OpenExam, command::NewExam, command::TypeLabel, command::DeleteExam, command::UndoDelete,
+    command::ScrollExams, command::ChooseExport, command::StartExport, command::CancelExport,
+    command::ChooseProbe, command::ChoosePedalMode, command::SetSound>;
 
 using Commands = std::vector<Command>;
 

@@ -62,7 +62,8 @@ Rgba read_pixels(int width, int height) {
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.data());
   out.bytes.resize(upside_down.size());
   for (int y = 0; y < height; ++y) {
-    std::copy_n(upside_down.data() + (height - 1 - y) * row_bytes, row_bytes, out.bytes.data() + y * row_bytes);
+    std::copy_n(upside_down.data() + (height - 1 - y) * row_bytes, row_bytes,
+                out.bytes.data() + y * row_bytes);
   }
   for (std::size_t i = 3; i < out.bytes.size(); i += 4) out.bytes[i] = 255;
   return out;

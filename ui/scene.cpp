@@ -389,8 +389,7 @@ unsigned Scene::render(const SceneInput& input, int width, int height, float lin
   }
 
   // Many outlines lie on one another; each is fainter then, so that what is among them still shows.
-  const float fade =
-      std::clamp(7.0f / std::sqrt(static_cast<float>(std::max(1, frame_lines_))), 0.1f, 1.0f);
+  const float fade = std::clamp(7.0f / std::sqrt(static_cast<float>(std::max(1, frame_lines_))), 0.1f, 1.0f);
   glDepthMask(frame_lines_ < 600 ? GL_TRUE : GL_FALSE);
   draw_lines(frame_buffer_, frame_lines_, fade);
   glDepthMask(GL_TRUE);

@@ -57,10 +57,11 @@ TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConf
 std::string default_world(const TrackedSequence& sequence);
 
 // Every frame that has a picture and a usable way from Image to the world. RGB becomes Doppler keys by the
-// red/blue bar, with what the scanner draws masked out (make_doppler), or luma (BT.601); samples other than 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the
-// sequence's smallest and largest value to 0..255; a warning says which. Frames keep the order of the file;
-// their stamps count only where every frame has one and they never fall. Throws BadInput where nothing can be
-// rendered, or a pose or calibration is none.
+// red/blue bar, with what the scanner draws masked out (make_doppler), or luma (BT.601); samples other than
+// 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the sequence's
+// smallest and largest value to 0..255; a warning says which. Frames keep the order of the file; their stamps
+// count only where every frame has one and they never fall. Throws BadInput where nothing can be rendered, or
+// a pose or calibration is none.
 SequenceSweep sweep_from_sequence(ReadSequence&& read, const PlusConfig& config, const SweepRequest& request,
                                   const std::string& file);
 

@@ -11,7 +11,6 @@ namespace sonoband {
 namespace {
 
 constexpr int strip_pixels = 4 * tile_pixels;  // painted by one thread in turn
-constexpr int block_rows = 8;                  // of an unrolled surface, culled together
 
 // Where line (row, layer) of a plane starts.
 Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {

@@ -168,7 +168,8 @@ ui::View exams_view() {
   }};
   view.exams.exams = exams;
   view.exams.selected = 4;
-  static const std::array<std::string_view, 3> formats = {"MetaImage sequence (.mha)", "DICOM", "Pictures (.png)"};
+  static const std::array<std::string_view, 3> formats = {"MetaImage sequence (.mha)", "DICOM",
+                                                          "Pictures (.png)"};
   static const std::array<std::string_view, 2> places = {"USB stick", "out/exports"};
   view.exams.transfer = {formats, places, 0, 1, false, 0};
   return view;

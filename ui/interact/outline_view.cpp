@@ -78,7 +78,8 @@ SweepFrame frame_of(const std::array<Eigen::Vector3d, 4>& corners) {
   SweepFrame sweep;
   sweep.centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   sweep.radius_mm = 0;
-  for (const Eigen::Vector3d& c : corners) sweep.radius_mm = std::max(sweep.radius_mm, (c - sweep.centre).norm());
+  for (const Eigen::Vector3d& c : corners)
+    sweep.radius_mm = std::max(sweep.radius_mm, (c - sweep.centre).norm());
   const Eigen::Vector3d deep = (corners[3] - corners[0]).normalized();
   Eigen::Vector3d across = corners[1] - corners[0];
   across = (across - deep.dot(across) * deep).normalized();

@@ -158,7 +158,8 @@ TEST(CartExams, ANewExamTakesTheNextSweep) {
   EXPECT_TRUE(ExamReader(folder.path() / (first + ".exam")).summary().closed);
 }
 
-// On a disk of 6 MiB, most of it taken: it is full in the midst of a sweep, which stays in memory until there is room.
+// On a disk of 6 MiB, most of it taken: it is full in the midst of a sweep, which stays in memory until there
+// is room.
 TEST(CartExams, AFullDiskLosesNothing) {
   test::on_small_disk(6 << 20, [](const std::filesystem::path& place) {
     const std::filesystem::path filler = place / "filler";

@@ -78,8 +78,9 @@ shot review.png
 
 TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
   EXPECT_EQ(refusal("tap"), "exam.script:1: tap is written as in: tap tools/curve");
-  EXPECT_EQ(refusal("drag reslice/picture 0.5,0.5"),
-            "exam.script:1: drag needs a widget and at least two places: drag reslice/picture 0.2,0.5 0.8,0.5");
+  EXPECT_EQ(
+      refusal("drag reslice/picture 0.5,0.5"),
+      "exam.script:1: drag needs a widget and at least two places: drag reslice/picture 0.2,0.5 0.8,0.5");
   EXPECT_EQ(refusal("drag reslice/picture 0.5 0.5,0.6 0.7,0.7"),
             "exam.script:1: '0.5' is no place; write x,y in parts of the widget, as in 0.5,0.5");
   EXPECT_EQ(refusal("pinch reslice/picture 9"),
