@@ -92,7 +92,7 @@ When when(std::int64_t utc_ns) {
 // Decimal strings are at most 16 characters; PS3.5, 6.2.
 std::string decimal(double value) {
   for (int digits = 16; digits > 1; --digits) {
-    const std::string text = fmt::format("{:.{}g}", value, digits);
+    std::string text = fmt::format("{:.{}g}", value, digits);
     if (text.size() <= 16) return text;
   }
   return "0";

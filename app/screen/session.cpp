@@ -102,7 +102,8 @@ void Session::show(const RunSweep& sweep) {
   shown_ = sweep.id;
   selected_ = sweep.id;
   ++sweep_version_;
-  current_ = static_cast<double>(sweep.held.view.frames.size() / 2);
+  const std::size_t middle = sweep.held.view.frames.size() / 2;
+  current_ = static_cast<double>(middle);
   playing_ = false;
   fling_ = 0;
   landmarks_.clear();

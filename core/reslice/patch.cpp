@@ -15,8 +15,9 @@ constexpr double most_px = 8000;
 LaneGrid lane_grid(LaneShape shape) {
   LaneGrid grid;
   for (int k = 0; k < patch_lanes; ++k) {
-    grid.a[k] = static_cast<float>(k % shape.across);
-    grid.b[k] = static_cast<float>(k / shape.across);
+    const int across = k % shape.across, down = k / shape.across;
+    grid.a[k] = static_cast<float>(across);
+    grid.b[k] = static_cast<float>(down);
   }
   return grid;
 }
