@@ -165,7 +165,8 @@ void LibertyUnit::damage_reading(WireReading& r, int station, Stamp t) const {
   for (std::size_t i = 0; i < once_count_; ++i) {
     const Fault& f = once_[i];
     if (f.station != station) continue;
-    const auto at = static_cast<std::size_t>(f.value);
+    // A jump of the count may be negative; then no coordinate is meant.
+    const auto at = static_cast<std::size_t>(std::clamp(f.value, 0.0, 6.0));
     float& chosen = at < 3 ? r.position[at] : r.quaternion[std::min<std::size_t>(at - 3, 3)];
     switch (f.kind) {
       case FaultKind::not_finite:

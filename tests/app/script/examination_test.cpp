@@ -2,6 +2,7 @@
 #include "app/script/examination.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <numeric>
@@ -45,7 +46,8 @@ struct Cart {
 
 std::filesystem::path scratch() {
   auto folder = std::filesystem::temp_directory_path() /
-                (std::string("sonoband-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+                (std::string("sonoband-") + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+                 std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   return folder;
 }
