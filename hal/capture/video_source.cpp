@@ -62,24 +62,19 @@ VideoSource::~VideoSource() {
   VideoSource::stop();
 }
 
-void VideoSource::say(DeviceState state, const char* reason) {
-  reason_.store(reason, std::memory_order_relaxed);
-  health_.store(state, std::memory_order_relaxed);
-}
-
 void VideoSource::start() {
   if (started_) return;
   started_ = true;
   ever_streamed_ = false;
   next_open_ = clock_.now();
-  delivered_ = 0;
-  say(DeviceState::starting, "");
+  health_.delivered = 0;
+  health_.say(DeviceState::starting, "");
 }
 
 void VideoSource::stop() {
   started_ = false;
   close();
-  say(DeviceState::absent, "");
+  health_.say(DeviceState::absent, "");
 }
 
 void VideoSource::close() {
@@ -115,9 +110,10 @@ VideoStatus VideoSource::bring_up() {
 }
 
 void VideoSource::trouble(VideoStatus why) {
-  if (ever_streamed_ && state_ == State::streaming) recoveries_.fetch_add(1, std::memory_order_relaxed);
+  if (ever_streamed_ && state_ == State::streaming)
+    health_.recoveries.fetch_add(1, std::memory_order_relaxed);
   close();
-  say(state_for(why), sentence(why));
+  health_.say(state_for(why), sentence(why));
   // A changed source is asked at once, everything else is looked for once a second.
   next_open_ = clock_.now() + (why == VideoStatus::changed ? Duration(0) : look_again);
 }
@@ -132,7 +128,7 @@ bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
   }
   last_sequence_ = buffer.sequence;
   sequence_ += missed + 1;
-  lost_.fetch_add(missed, std::memory_order_relaxed);
+  health_.lost.fetch_add(missed, std::memory_order_relaxed);
 
   out = {};
   out.data = buffer.bytes.data();
@@ -150,7 +146,7 @@ bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
     out.format = PixelFormat::grey8;
   }
   if (!whole || check_frame(out, settings_.width, settings_.height) != FrameFault::none) {
-    lost_.fetch_add(1, std::memory_order_relaxed);
+    health_.lost.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
   out.arrived = now;
@@ -181,7 +177,7 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
       }
       if (const VideoStatus status = bring_up(); status != VideoStatus::ok) {
         device_.close();
-        say(state_for(status), sentence(status));
+        health_.say(state_for(status), sentence(status));
         next_open_ = clock_.now() + look_again;
         continue;
       }
@@ -196,20 +192,21 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
         silent_restarts_ = 0;
         ever_streamed_ = true;
         held_ = buffer.index;
-        delivered_.fetch_add(1, std::memory_order_relaxed);
+        health_.delivered.fetch_add(1, std::memory_order_relaxed);
         if (mode_->format == PixelFormat::mjpeg)
-          say(DeviceState::degraded,
+          health_.say(
+              DeviceState::degraded,
               "The grabber compresses its pictures (motion JPEG), which blurs edges: use one that does not.");
         else
-          say(DeviceState::running, "");
+          health_.say(DeviceState::running, "");
         return ReadStatus::ok;
       }
       if (device_.give_back(buffer.index) != VideoStatus::ok) trouble(VideoStatus::failed);
     } else if (status != VideoStatus::nothing_yet) {
       trouble(status);
     } else if (clock_.now() >= watch) {
-      recoveries_.fetch_add(1, std::memory_order_relaxed);
-      say(DeviceState::stalled, "The video grabber sends no pictures; restarting it.");
+      health_.recoveries.fetch_add(1, std::memory_order_relaxed);
+      health_.say(DeviceState::stalled, "The video grabber sends no pictures; restarting it.");
       device_.stop();
       state_ = State::closed;
       last_sequence_.reset();
@@ -221,13 +218,7 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
 }
 
 DeviceHealth VideoSource::health() const {
-  DeviceHealth h;
-  h.state = health_.load(std::memory_order_relaxed);
-  h.reason = reason_.load(std::memory_order_relaxed);
-  h.delivered = delivered_.load(std::memory_order_relaxed);
-  h.lost = lost_.load(std::memory_order_relaxed);
-  h.recoveries = recoveries_.load(std::memory_order_relaxed);
-  return h;
+  return health_.read();
 }
 
 }  // namespace sonoband

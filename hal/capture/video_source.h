@@ -15,6 +15,7 @@
 #include "hal/capture/video_device.h"
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/shared_health.h"
 
 namespace sonoband {
 
@@ -45,7 +46,6 @@ class VideoSource final : public FrameSource {
   bool accept(const VideoBuffer& buffer, Frame& out);
   void trouble(VideoStatus why);
   void close();
-  void say(DeviceState state, const char* reason);
 
   VideoDevice& device_;
   Clock& clock_;
@@ -64,11 +64,7 @@ class VideoSource final : public FrameSource {
   std::uint64_t sequence_ = 0;  // of ours: goes on over restarts
   std::optional<Stamp> last_stamp_;
 
-  std::atomic<DeviceState> health_{DeviceState::absent};
-  std::atomic<const char*> reason_{""};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint32_t> recoveries_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband

@@ -47,31 +47,26 @@ ContactFootswitch::~ContactFootswitch() {
   ContactFootswitch::stop();
 }
 
-void ContactFootswitch::say(DeviceState state, const char* reason) {
-  reason_.store(reason, std::memory_order_relaxed);
-  state_.store(state, std::memory_order_relaxed);
-}
-
 void ContactFootswitch::start() {
   if (started_) return;
   started_ = true;
   first_ = count_ = 0;
-  delivered_ = 0;
+  health_.delivered = 0;
   next_open_ = clock_.now();
-  say(DeviceState::starting, "");
+  health_.say(DeviceState::starting, "");
 }
 
 void ContactFootswitch::stop() {
   started_ = false;
   source_->close();
   open_ = false;
-  say(DeviceState::absent, "");
+  health_.say(DeviceState::absent, "");
 }
 
 void ContactFootswitch::put(const PedalEdge& edge) {
   // More than fit is a contact that chatters faster than anyone reads: the next level read tells.
   if (count_ == pending_.size()) {
-    lost_.fetch_add(1, std::memory_order_relaxed);
+    health_.lost.fetch_add(1, std::memory_order_relaxed);
     return;
   }
   pending_[(first_ + count_++) % pending_.size()] = edge;
@@ -94,7 +89,7 @@ bool ContactFootswitch::connect() {
   next_open_ = clock_.now() + look_again;
   if (status != ContactStatus::ok) {
     const bool missing = status == ContactStatus::no_such_line || status == ContactStatus::gone;
-    say(missing ? DeviceState::absent : DeviceState::fault, sentence(status));
+    health_.say(missing ? DeviceState::absent : DeviceState::fault, sentence(status));
     return false;
   }
   open_ = true;
@@ -107,7 +102,7 @@ bool ContactFootswitch::connect() {
     pedals_[p] = {.closed = level_of(p), .sequence = 0, .agree_since = {}};
     put({.time = now, .closed = pedals_[p].closed, .pedal = static_cast<std::uint8_t>(p), .sequence = 0});
   }
-  say(DeviceState::running, "");
+  health_.say(DeviceState::running, "");
   watch_pairs(now);
   return true;
 }
@@ -124,10 +119,10 @@ bool ContactFootswitch::reread(Contact& contact, int index) {
 
 void ContactFootswitch::lose(ContactStatus why) {
   source_->close();
-  if (open_) recoveries_.fetch_add(1, std::memory_order_relaxed);
+  if (open_) health_.recoveries.fetch_add(1, std::memory_order_relaxed);
   open_ = false;
   next_open_ = clock_.now() + look_again;
-  say(DeviceState::absent, sentence(why));
+  health_.say(DeviceState::absent, sentence(why));
   // Whoever holds a pedal that is gone has let go: nothing may record because a cable fell out.
   for (std::size_t p = 0; p < pedals_.size(); ++p)
     if (std::exchange(pedals_[p].closed, false))
@@ -160,7 +155,7 @@ void ContactFootswitch::take(const ContactEdge& edge) {
   if (t > now || now - t > believable_age) t = now;
   contact.active = edge.active;
   if (missed > 0) {
-    lost_.fetch_add(missed, std::memory_order_relaxed);
+    health_.lost.fetch_add(missed, std::memory_order_relaxed);
     pedals_[contact.pedal].sequence += missed;
     if (!reread(contact, edge.contact)) return;
     // Said even if the level is the same: the jump of the sequence is the news.
@@ -191,10 +186,10 @@ void ContactFootswitch::watch_pairs(Stamp now) {
     faulty = faulty || now - *pedals_[p].agree_since > travel;
   }
   if (faulty)
-    say(DeviceState::fault,
-        "The pedal's two contacts contradict each other: check its cable for a cut wire.");
+    health_.say(DeviceState::fault,
+                "The pedal's two contacts contradict each other: check its cable for a cut wire.");
   else
-    say(DeviceState::running, "");
+    health_.say(DeviceState::running, "");
 }
 
 ReadStatus ContactFootswitch::read(PedalEdge& out, Duration timeout) {
@@ -205,7 +200,7 @@ ReadStatus ContactFootswitch::read(PedalEdge& out, Duration timeout) {
       out = pending_[first_];
       first_ = (first_ + 1) % pending_.size();
       --count_;
-      delivered_.fetch_add(1, std::memory_order_relaxed);
+      health_.delivered.fetch_add(1, std::memory_order_relaxed);
       return ReadStatus::ok;
     }
     const Stamp now = clock_.now();
@@ -225,7 +220,7 @@ ReadStatus ContactFootswitch::read(PedalEdge& out, Duration timeout) {
       case ContactStatus::nothing_yet:
         break;
       case ContactStatus::overflow:
-        lost_.fetch_add(1, std::memory_order_relaxed);
+        health_.lost.fetch_add(1, std::memory_order_relaxed);
         for (std::size_t i = 0; i < contacts_.size() && open_; ++i) reread(contacts_[i], static_cast<int>(i));
         for (std::size_t p = 0; p < pedals_.size() && open_; ++p) {
           pedals_[p].closed = level_of(p);
@@ -246,13 +241,7 @@ ReadStatus ContactFootswitch::read(PedalEdge& out, Duration timeout) {
 }
 
 DeviceHealth ContactFootswitch::health() const {
-  DeviceHealth h;
-  h.state = state_.load(std::memory_order_relaxed);
-  h.reason = reason_.load(std::memory_order_relaxed);
-  h.delivered = delivered_.load(std::memory_order_relaxed);
-  h.lost = lost_.load(std::memory_order_relaxed);
-  h.recoveries = recoveries_.load(std::memory_order_relaxed);
-  return h;
+  return health_.read();
 }
 
 }  // namespace sonoband

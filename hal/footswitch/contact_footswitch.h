@@ -17,6 +17,7 @@
 #include "hal/clock.h"
 #include "hal/devices.h"
 #include "hal/footswitch/contact_source.h"
+#include "hal/shared_health.h"
 
 namespace sonoband {
 
@@ -57,7 +58,6 @@ class ContactFootswitch final : public Footswitch {
   void watch_pairs(Stamp now);
   bool level_of(std::size_t pedal) const;
   void put(const PedalEdge& edge);
-  void say(DeviceState state, const char* reason);
 
   std::unique_ptr<ContactSource> source_;
   Clock& clock_;
@@ -73,11 +73,7 @@ class ContactFootswitch final : public Footswitch {
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<const char*> reason_{""};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint32_t> recoveries_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband

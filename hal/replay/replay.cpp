@@ -41,11 +41,11 @@ Stamp ReplayTimeline::play_time(Stamp recorded, std::uint32_t lap) const {
 
 void ReplayTracker::start() {
   timeline_->start();
-  state_ = DeviceState::running;
+  health_.state = DeviceState::running;
 }
 
 void ReplayTracker::stop() {
-  state_ = DeviceState::absent;
+  health_.state = DeviceState::absent;
 }
 
 ReadStatus ReplayTracker::read(std::span<PoseSample> out, std::size_t& count, Duration timeout) {
@@ -75,25 +75,22 @@ ReadStatus ReplayTracker::read(std::span<PoseSample> out, std::size_t& count, Du
               .device_ms = 0,
               .arrived = due};
     ++next_;
-    ++delivered_;
+    ++health_.delivered;
   }
   return ReadStatus::ok;
 }
 
 DeviceHealth ReplayTracker::health() const {
-  DeviceHealth h;
-  h.state = state_;
-  h.delivered = delivered_;
-  return h;
+  return health_.read();
 }
 
 void ReplayFrameSource::start() {
   timeline_->start();
-  state_ = DeviceState::running;
+  health_.state = DeviceState::running;
 }
 
 void ReplayFrameSource::stop() {
-  state_ = DeviceState::absent;
+  health_.state = DeviceState::absent;
 }
 
 ReadStatus ReplayFrameSource::read(Frame& out, Duration timeout) {
@@ -114,7 +111,7 @@ ReadStatus ReplayFrameSource::read(Frame& out, Duration timeout) {
   }
   // Numbers go on from lap to lap, so that a lap's end is no loss.
   const std::uint64_t per_lap = frames.back().sequence - frames.front().sequence + 1;
-  if (last_sequence_ && f.sequence > *last_sequence_ + 1) lost_ += f.sequence - *last_sequence_ - 1;
+  if (last_sequence_ && f.sequence > *last_sequence_ + 1) health_.lost += f.sequence - *last_sequence_ - 1;
   last_sequence_ = f.sequence;
   out = {.data = f.data,
          .bytes = static_cast<std::size_t>(f.stride_bytes) * f.height,
@@ -127,16 +124,12 @@ ReadStatus ReplayFrameSource::read(Frame& out, Duration timeout) {
          .device_stamp_ns = f.captured.time_since_epoch().count(),
          .sequence = lap_ * per_lap + f.sequence};
   ++next_;
-  ++delivered_;
+  ++health_.delivered;
   return ReadStatus::ok;
 }
 
 DeviceHealth ReplayFrameSource::health() const {
-  DeviceHealth h;
-  h.state = state_;
-  h.delivered = delivered_;
-  h.lost = lost_;
-  return h;
+  return health_.read();
 }
 
 }  // namespace sonoband

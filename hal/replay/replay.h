@@ -12,6 +12,7 @@
 
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/shared_health.h"
 
 namespace sonoband {
 
@@ -76,8 +77,7 @@ class ReplayTracker final : public Tracker {
   std::shared_ptr<ReplayTimeline> timeline_;
   std::size_t next_ = 0;
   std::uint32_t lap_ = 0;
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<std::uint64_t> delivered_{0};
+  SharedHealth health_;
 };
 
 class ReplayFrameSource final : public FrameSource {
@@ -94,9 +94,7 @@ class ReplayFrameSource final : public FrameSource {
   std::size_t next_ = 0;
   std::uint32_t lap_ = 0;
   std::optional<std::uint64_t> last_sequence_;
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband

@@ -29,11 +29,11 @@ void SimFootswitch::start() {
     add_bouncing(script_, origin_ + p.press, true);
     add_bouncing(script_, origin_ + p.release, false);
   }
-  state_ = DeviceState::running;
+  health_.state = DeviceState::running;
 }
 
 void SimFootswitch::stop() {
-  state_ = DeviceState::absent;
+  health_.state = DeviceState::absent;
 }
 
 // The contact closes (or opens) at `time` and then swings back an even number of times; what an earlier
@@ -104,7 +104,7 @@ const PedalFault* SimFootswitch::fault_at(Stamp t) const {
 
 ReadStatus SimFootswitch::deliver(PedalEdge& out, Stamp time, bool closed) {
   out = {.time = time, .closed = closed, .pedal = 0, .sequence = sequence_++};
-  ++delivered_;
+  ++health_.delivered;
   return ReadStatus::ok;
 }
 
@@ -118,9 +118,9 @@ ReadStatus SimFootswitch::read(PedalEdge& out, Duration timeout) {
     const bool plugged = fault == nullptr || fault->kind != PedalFault::Kind::unplug;
     if (plugged != plugged_) {
       plugged_ = plugged;
-      state_ = plugged ? DeviceState::running : DeviceState::absent;
+      health_.state = plugged ? DeviceState::running : DeviceState::absent;
       if (plugged) {
-        ++recoveries_;
+        ++health_.recoveries;
         report_level_ = now;
         sequence_ = 0;
       }
@@ -137,7 +137,7 @@ ReadStatus SimFootswitch::read(PedalEdge& out, Duration timeout) {
       if (then == nullptr) return deliver(out, c.time, c.closed);
       if (then->kind == PedalFault::Kind::lose_edges) {
         ++sequence_;
-        ++lost_;
+        ++health_.lost;
       }
     }
     if (report_level_ && plugged_) {
@@ -154,12 +154,8 @@ ReadStatus SimFootswitch::read(PedalEdge& out, Duration timeout) {
 }
 
 DeviceHealth SimFootswitch::health() const {
-  DeviceHealth h;
-  h.state = state_;
+  DeviceHealth h = health_.read();
   if (h.state == DeviceState::absent) h.reason = "The footswitch is not connected: plug it in.";
-  h.delivered = delivered_;
-  h.lost = lost_;
-  h.recoveries = recoveries_;
   return h;
 }
 

@@ -9,6 +9,7 @@
 
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/shared_health.h"
 
 namespace sonoband::sim {
 
@@ -84,10 +85,7 @@ class SimFootswitch final : public Footswitch {
   std::atomic<std::uint64_t> written_{0};
   std::atomic<std::uint64_t> taken_{0};
 
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint32_t> recoveries_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband::sim

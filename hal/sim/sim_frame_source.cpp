@@ -31,11 +31,11 @@ void SimFrameSource::start() {
   any_painted_ = false;
   was_gone_ = false;
   last_arrival_ = started_;
-  set_state(DeviceState::starting, "");
+  health_.say(DeviceState::starting, "");
 }
 
 void SimFrameSource::stop() {
-  set_state(DeviceState::absent, "");
+  health_.say(DeviceState::absent, "");
 }
 
 Stamp SimFrameSource::captured(std::uint64_t n) const {
@@ -57,25 +57,20 @@ const FrameFault* SimFrameSource::fault(std::uint64_t n, Kind kind) const {
   return nullptr;
 }
 
-void SimFrameSource::set_state(DeviceState state, const char* reason) {
-  state_ = state;
-  reason_ = reason;
-}
-
 bool SimFrameSource::pass_over(Stamp asked) {
   if (fault(next_, Kind::unplug) != nullptr) {
-    set_state(DeviceState::absent, "The frame grabber is not connected: plug it in.");
+    health_.say(DeviceState::absent, "The frame grabber is not connected: plug it in.");
     was_gone_ = true;
     sequence_ = 0;
     return true;
   }
   if (fault(next_, Kind::cable_out) != nullptr) {
-    set_state(DeviceState::fault, "No signal from the scanner: check the video cable.");
+    health_.say(DeviceState::fault, "No signal from the scanner: check the video cable.");
     was_gone_ = true;
     return true;
   }
   if (fault(next_, Kind::stall) != nullptr) {
-    set_state(DeviceState::stalled, "The frame grabber has stopped sending pictures.");
+    health_.say(DeviceState::stalled, "The frame grabber has stopped sending pictures.");
     was_gone_ = true;
     return true;
   }
@@ -86,7 +81,7 @@ bool SimFrameSource::pass_over(Stamp asked) {
   const bool overrun = asked > std::max({arrival(next_), arrival(next_ + spare), last_arrival_ + covered});
   if (overrun || fault(next_, Kind::drop) != nullptr) {
     ++sequence_;
-    ++lost_;
+    ++health_.lost;
     return true;
   }
   return false;
@@ -147,21 +142,15 @@ Frame SimFrameSource::deliver() {
   const double device_s = seconds(f.captured - started_) * (1 + settings_.device_clock_ppm * 1e-6);
   f.device_stamp_ns = std::llround(device_s * 1e9);
   f.sequence = sequence_++;
-  if (was_gone_) ++recoveries_;
+  if (was_gone_) ++health_.recoveries;
   was_gone_ = false;
-  ++delivered_;
-  set_state(DeviceState::running, "");
+  ++health_.delivered;
+  health_.say(DeviceState::running, "");
   return f;
 }
 
 DeviceHealth SimFrameSource::health() const {
-  DeviceHealth h;
-  h.state = state_;
-  h.reason = reason_;
-  h.delivered = delivered_;
-  h.lost = lost_;
-  h.recoveries = recoveries_;
-  return h;
+  return health_.read();
 }
 
 }  // namespace sonoband::sim

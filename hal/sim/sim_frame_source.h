@@ -8,6 +8,7 @@
 
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/shared_health.h"
 
 namespace sonoband::sim {
 
@@ -58,7 +59,6 @@ class SimFrameSource final : public FrameSource {
   Stamp arrival(std::uint64_t n) const;  // before order is kept
   const FrameFault* fault(std::uint64_t n, FrameFault::Kind kind) const;
   bool pass_over(Stamp asked);  // the next frame is one that no reader gets
-  void set_state(DeviceState state, const char* reason);
   Frame deliver();
 
   Clock& clock_;
@@ -75,11 +75,7 @@ class SimFrameSource final : public FrameSource {
   std::vector<std::uint8_t> picture_;
   std::vector<std::uint8_t> resized_;
 
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<const char*> reason_{""};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint32_t> recoveries_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband::sim

@@ -41,7 +41,7 @@ void PolhemusTracker::start() {
   kept_count_ = kept_from_ = 0;
   next_ = {};
   next_.wake = clock_.now();
-  delivered_ = 0;
+  health_.delivered = 0;
   started_ = true;
   publish();
 }
@@ -57,7 +57,7 @@ ReadStatus PolhemusTracker::read(std::span<PoseSample> out, std::size_t& count, 
     kept_from_ += count;
   } while (count == 0 && clock_.now() < until);
   if (count == 0) return ReadStatus::nothing_yet;
-  delivered_.fetch_add(count, std::memory_order_relaxed);
+  health_.delivered.fetch_add(count, std::memory_order_relaxed);
   return ReadStatus::ok;
 }
 
@@ -120,20 +120,13 @@ void PolhemusTracker::keep_readings() {
 }
 
 void PolhemusTracker::publish() {
-  state_.store(device_state(*link_), std::memory_order_relaxed);
-  reason_.store(operator_sentence(link_->reason()), std::memory_order_relaxed);
-  lost_.store(link_->counters().lost, std::memory_order_relaxed);
-  recoveries_.store(link_->counters().recoveries, std::memory_order_relaxed);
+  health_.say(device_state(*link_), operator_sentence(link_->reason()));
+  health_.lost.store(link_->counters().lost, std::memory_order_relaxed);
+  health_.recoveries.store(link_->counters().recoveries, std::memory_order_relaxed);
 }
 
 DeviceHealth PolhemusTracker::health() const {
-  DeviceHealth h;
-  h.state = state_.load(std::memory_order_relaxed);
-  h.reason = reason_.load(std::memory_order_relaxed);
-  h.delivered = delivered_.load(std::memory_order_relaxed);
-  h.lost = lost_.load(std::memory_order_relaxed);
-  h.recoveries = recoveries_.load(std::memory_order_relaxed);
-  return h;
+  return health_.read();
 }
 
 void PolhemusTracker::stop() {

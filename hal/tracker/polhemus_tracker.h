@@ -11,6 +11,7 @@
 
 #include "hal/clock.h"
 #include "hal/devices.h"
+#include "hal/shared_health.h"
 #include "hal/tracker/link.h"
 
 namespace sonoband {
@@ -54,11 +55,7 @@ class PolhemusTracker final : public Tracker {
   std::size_t kept_count_ = 0;
 
   std::atomic<bool> recording_{false};
-  std::atomic<DeviceState> state_{DeviceState::absent};
-  std::atomic<const char*> reason_{""};
-  std::atomic<std::uint64_t> delivered_{0};
-  std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint32_t> recoveries_{0};
+  SharedHealth health_;
 };
 
 }  // namespace sonoband
