@@ -12,6 +12,7 @@
 #include "app/exchange/stradwin.h"
 #include "core/reslice/band.h"
 #include "tools/exam_verbs.h"
+#include "tools/export_movie.h"
 #include "tools/verbs.h"
 
 namespace sonoband::tools {
@@ -27,6 +28,7 @@ struct Options {
   std::string format = "mha";
   std::int64_t sweep = 0;
   bool with_label = false;
+  std::shared_ptr<MovieOptions> movie;
 };
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -107,6 +109,12 @@ void export_exam(const Options& options) {
   std::vector<std::string> damage;
   for (const exam::SweepSummary& summary : exam.sweeps()) {
     if (options.sweep != 0 && summary.id != options.sweep) continue;
+    ++written;
+    if (options.format == "webm") {
+      const fs::path path = write_movie(*options.movie, exam, file, summary.id, options.to, damage);
+      std::printf("%s\n", path.c_str());
+      continue;
+    }
     const std::string name = file.stem().string() + "-sweep" + std::to_string(summary.id);
     WorkProgress progress("exporting " + name);
     const exchange::ExportedSweep sweep = exchange::sequence_from_exam(exam, summary.id, std::ref(progress));
@@ -129,7 +137,6 @@ void export_exam(const Options& options) {
       exchange::write_sequence(sweep.sequence, path);
       std::printf("%s\n", path.c_str());
     }
-    ++written;
   }
   if (written == 0)
     throw BadInput(file.filename().string() + ": there is no sweep " + std::to_string(options.sweep) +
@@ -150,15 +157,22 @@ void add_export(CLI::App& tool) {
   verb->add_option("--exams", options->folder, "Folder in which an id is looked for")
       ->default_val(exam::default_exam_folder());
   verb->add_option("--to", options->to, "Folder to write into")->required();
-  verb->add_option("--format", options->format,
-                   "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), dicom, png: one picture a frame, or "
-                   "review: landmarks, contours and the like as JSON and for Slicer (.mrk.json)")
-      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "dicom", "png", "review"}))
+  verb->add_option(
+          "--format", options->format,
+          "mha, mhd, nrrd, nhdr, sx (Stradx), sw (Stradwin), dicom, png: one picture a frame, "
+          "webm: a movie, or review: landmarks, contours and the like as JSON and for Slicer (.mrk.json)")
+      ->check(CLI::IsMember({"mha", "mhd", "nrrd", "nhdr", "sx", "sw", "dicom", "png", "webm", "review"}))
       ->capture_default_str();
   verb->add_option("--sweep", options->sweep, "Only this one, from 1 (default: all)")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--with-label", options->with_label, "DICOM: write the patient's label as name and id");
-  verb->callback([options] { on_exams([&] { export_exam(*options); }); });
+  options->movie = add_movie_options(*verb);
+  verb->callback([options] {
+    if (options->movie->turn_table && options->format != "webm")
+      throw CLI::ValidationError("--turn-table", "a turn-table is a movie: add --format webm");
+    check_movie_options(*options->movie);
+    on_exams([&] { export_exam(*options); });
+  });
 }
 
 }  // namespace sonoband::tools

@@ -96,4 +96,12 @@ ChosenPlane choose_plane(const PlaneOptions& options, const SweepView& sweep) {
   return {*plane, false};
 }
 
+// A line is kept for every row of every layer: 2^26 of them are 1.6 GB.
+void check_picture_size(const ReslicePlane& plane, const Band& band) {
+  if (std::int64_t{plane.height} * band.layers() > std::int64_t{1} << 26 ||
+      std::int64_t{plane.width} * plane.height > std::int64_t{1} << 28)
+    throw CLI::ValidationError(
+        "--size", "picture and band are too large together; take fewer pixels or a thinner band");
+}
+
 }  // namespace sonoband::tools

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/geometry/plane.h"
+#include "core/reslice/band.h"
 #include "core/sweep/tracked_frame.h"
 
 namespace sonoband::tools {
@@ -37,5 +38,8 @@ ChosenPlane choose_plane(const PlaneOptions& options, const SweepView& sweep);
 
 // Wrong usage that can be seen before anything is read.
 void check_plane_options(const PlaneOptions& options);
+
+// Throws CLI::ValidationError where picture and band together would not fit the memory.
+void check_picture_size(const ReslicePlane& plane, const Band& band);
 
 }  // namespace sonoband::tools

@@ -10,14 +10,6 @@ namespace sonoband::tools {
 
 namespace {
 
-// A line is kept for every row of every layer: 2^26 of them are 1.6 GB.
-void check_size(const ReslicePlane& plane, const Band& band) {
-  if (std::int64_t{plane.height} * band.layers() > std::int64_t{1} << 26 ||
-      std::int64_t{plane.width} * plane.height > std::int64_t{1} << 28)
-    throw CLI::ValidationError(
-        "--size", "picture and band are too large together; take fewer pixels or a thinner band");
-}
-
 void render(const SweepOptions& sweep_options, const PlaneOptions& plane_options,
             const RenderOptions& render_options, const PictureOutputs& out) {
   check_sweep_options(sweep_options);
@@ -29,7 +21,7 @@ void render(const SweepOptions& sweep_options, const PlaneOptions& plane_options
   const ReslicePlane plane = plane_of(plane_options, view, sweep.world);
   const RenderSettings settings = settings_of(render_options, pixel_width_mm(view));
 
-  check_size(plane, settings.band);
+  check_picture_size(plane, settings.band);
 
   SystemClock clock;
   Workers workers(threads_of(render_options));
