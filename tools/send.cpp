@@ -20,6 +20,9 @@ struct Options {
   std::int64_t sweep = 0;
   bool with_label = false;
   bool waiting = false;
+  bool commit = false;
+  std::uint16_t commit_port = 0;
+  int commit_wait_s = 30;
 };
 
 void send(const Options& options) {
@@ -35,7 +38,7 @@ void send(const Options& options) {
         exam, options.sweep, options.with_label, outbox.new_file("").parent_path(), std::ref(progress));
     damage = made.damage;
     if (made.files.empty()) throw BadInput(options.exam + ": there is nothing in it to send");
-    for (const std::filesystem::path& file : made.files) outbox.add(file, peer);
+    for (const std::filesystem::path& file : made.files) outbox.add(file, peer, options.commit);
   }
   std::size_t sent = 0;
   Progress progress("sending");
@@ -43,10 +46,23 @@ void send(const Options& options) {
     sent = done;
     progress.show(static_cast<int>(done), static_cast<int>(all));
   });
+  const exchange::DicomOutbox::Committed committed =
+      outbox.commit(options.commit_port, options.commit_wait_s);
+  for (const std::string& sentence : committed.without) std::fprintf(stderr, "note: %s\n", sentence.c_str());
   const std::size_t left = outbox.waiting().size();
   std::printf("%zu sent, %zu waiting\n", sent, left);
+  if (committed.kept + committed.refused + committed.unanswered > 0)
+    std::printf("the archive keeps %zu, refuses %zu, has not yet answered for %zu\n", committed.kept,
+                committed.refused, committed.unanswered);
   if (!trouble.empty())
     throw BadInput(trouble.front() + "; what was not sent waits: `sonoband-tool send --waiting` tries again");
+  if (!committed.trouble.empty())
+    throw BadInput(committed.trouble.front() + "; `sonoband-tool send --waiting` tries again");
+  if (committed.unanswered > 0)
+    throw BadInput(
+        "everything is sent, but the archive has not yet said that it keeps it; `sonoband-tool send "
+        "--waiting` asks "
+        "again");
   if (!damage.empty()) throw BadInput("sent without what is damaged: " + damage.front());
 }
 
@@ -73,6 +89,17 @@ void add_send(CLI::App& tool) {
   certificate->needs(trusted)->needs(key);
   key->needs(certificate);
   verb->add_option("--outbox", options->outbox, "Where files wait (default: outbox within --exams)");
+  CLI::Option* commit =
+      verb->add_flag("--commit", options->commit,
+                     "Keep each object until the archive has said that it keeps it (storage commitment)");
+  commit->needs(exam);
+  verb->add_option(
+      "--commit-port", options->commit_port,
+      "Port on which the archive brings its word later, as its configuration says (default: it is heard "
+      "only on our own association)");
+  verb->add_option("--commit-wait", options->commit_wait_s, "Seconds to wait for the archive's word")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
   CLI::Option* waiting = verb->add_flag("--waiting", options->waiting, "Try again what waits in the outbox");
   verb->callback([options, exam, waiting] {
     if (exam->count() == 0 && waiting->count() == 0)

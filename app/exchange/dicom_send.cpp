@@ -10,42 +10,18 @@
 #include <set>
 
 #include "app/bad_input.h"
+#include "app/exchange/dicom_scu.h"
 #include "app/exchange/text.h"
 
 namespace sonoband::exchange {
 namespace {
 
-constexpr int connection_s = 10;
-constexpr unsigned answer_s = 60;
 constexpr std::size_t longest_title = 16;  // PS3.5, 6.2, AE
-
-std::string place(const DicomPeer& peer) {
-  return fmt::format("{}@{}:{}", peer.title, peer.host, peer.port);
-}
-
-// The SOP class of a file, from its head; empty: it is no DICOM file.
-std::string sop_class(const std::filesystem::path& file) {
-  DcmFileFormat head;
-  OFString value;
-  if (head.loadFileUntilTag(file.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_autoDetect,
-                            DCM_PatientName)
-          .bad())
-    return {};
-  if (head.getMetaInfo()->findAndGetOFString(DCM_MediaStorageSOPClassUID, value).bad()) return {};
-  return value.c_str();
-}
 
 std::unique_ptr<DcmSCU> make_scu(const DicomPeer& peer) {
   if (!peer.tls) return std::make_unique<DcmSCU>();
   auto scu = std::make_unique<DcmTLSSCU>(peer.host.c_str(), peer.title.c_str(), peer.port);
-  for (const auto& file : {peer.tls->trusted, peer.tls->certificate, peer.tls->key})
-    if (!file.empty() && !std::filesystem::is_regular_file(file))
-      throw BadInput(file.string() + ": there is no such file; TLS needs it in PEM format");
-  if (!peer.tls->certificate.empty())
-    scu->enableAuthentication(peer.tls->key.c_str(), peer.tls->certificate.c_str(), nullptr,
-                              DCF_Filetype_PEM);
-  scu->addTrustedCertFile(peer.tls->trusted.c_str());
-  scu->setPeerCertVerification(DCV_requireCertificate);
+  trust(*scu, *peer.tls);
   return scu;
 }
 
@@ -73,40 +49,36 @@ DicomPeer parse_dicom_peer(const std::string& text) {
   return peer;
 }
 
+DicomReference dicom_reference(const std::filesystem::path& file) {
+  DcmFileFormat head;
+  OFString name;
+  OFString instance;
+  if (head.loadFileUntilTag(file.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_autoDetect,
+                            DCM_PatientName)
+          .bad())
+    return {};
+  DcmMetaInfo& meta = *head.getMetaInfo();
+  if (meta.findAndGetOFString(DCM_MediaStorageSOPClassUID, name).bad() ||
+      meta.findAndGetOFString(DCM_MediaStorageSOPInstanceUID, instance).bad())
+    return {};
+  return {name.c_str(), instance.c_str()};
+}
+
 std::string send_dicom(const std::vector<std::filesystem::path>& files, const DicomPeer& peer,
                        const std::function<void(std::size_t, const std::string&)>& answered) {
-  OFLog::configure(OFLogger::OFF_LOG_LEVEL);  // what matters comes back as a sentence
+  const std::unique_ptr<DcmSCU> scu = make_scu(peer);
+  address(*scu, peer);
   std::set<std::string> classes;
   std::vector<bool> readable;
   for (const std::filesystem::path& file : files) {
-    const std::string name = sop_class(file);
+    const std::string name = dicom_reference(file).sop_class;
     readable.push_back(!name.empty());
     if (!name.empty()) classes.insert(name);
   }
-  const std::unique_ptr<DcmSCU> scu = make_scu(peer);
-  scu->setAETitle(peer.our_title.c_str());
-  scu->setPeerAETitle(peer.title.c_str());
-  scu->setPeerHostName(peer.host.c_str());
-  scu->setPeerPort(peer.port);
-  scu->setConnectionTimeout(connection_s);
-  scu->setACSETimeout(answer_s);
-  scu->setDIMSETimeout(answer_s);
-  scu->setDIMSEBlockingMode(DIMSE_NONBLOCKING);
-  OFList<OFString> syntaxes;
-  syntaxes.push_back(UID_LittleEndianExplicitTransferSyntax);
-  syntaxes.push_back(UID_LittleEndianImplicitTransferSyntax);
-  for (const std::string& name : classes) scu->addPresentationContext(name.c_str(), syntaxes);
-
-  const auto trouble = [&](const char* what, const OFCondition& cause) {
-    std::string text = cause.text();
-    for (char& c : text)
-      if (c == '\n') c = ' ';
-    return fmt::format("{}: {} ({}); check its address and that it knows {}", place(peer), what, text,
-                       peer.our_title);
-  };
-  if (const OFCondition made = scu->initNetwork(); made.bad()) return trouble("no network", made);
+  for (const std::string& name : classes) offer(*scu, name);
+  if (const OFCondition made = scu->initNetwork(); made.bad()) return trouble_with(peer, "no network", made);
   if (const OFCondition made = scu->negotiateAssociation(); made.bad())
-    return trouble("no association", made);
+    return trouble_with(peer, "no association", made);
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (!readable[i]) {
       answered(i, files[i].string() + ": this is no DICOM file");
@@ -116,7 +88,7 @@ std::string send_dicom(const std::vector<std::filesystem::path>& files, const Di
     const OFCondition sent = scu->sendSTORERequest(0, files[i].c_str(), nullptr, status);
     if (sent.bad()) {
       scu->abortAssociation();
-      return trouble("the connection was lost", sent);
+      return trouble_with(peer, "the connection was lost", sent);
     }
     // 0xBxxx are warnings: the object is stored. PS3.4, B.2.3.
     const bool stored = status == 0 || (status & 0xf000) == 0xb000;

@@ -28,6 +28,15 @@ struct DicomPeer {
 // "AET@HOST:PORT"; a host in brackets may have colons. Throws BadInput.
 DicomPeer parse_dicom_peer(const std::string& text);
 
+// What an object is called all over the world.
+struct DicomReference {
+  std::string sop_class;
+  std::string sop_instance;
+  bool operator==(const DicomReference&) const = default;
+};
+// Of a file, from its head; empty: it is no DICOM file.
+DicomReference dicom_reference(const std::filesystem::path& file);
+
 // One association for all files. `answered` is called for each in order: an empty sentence when the peer has
 // taken it, else why not. Gives why nothing more could be sent (no connection, refused, lost); empty: all
 // were answered. Waits at most 10 s for a connection and 60 s for an answer.

@@ -16,6 +16,7 @@
 #include "app/exchange/dicom.h"
 #include "core/image/doppler.h"
 #include "tests/support/support.h"
+#include "tests/tools/orthanc.h"
 #include "tests/tools/processes.h"
 #include "tests/tools/tool_runner.h"
 
@@ -258,20 +259,6 @@ TEST_F(Dicom, GoesThroughTlsOnlyToWhomItTrusts) {
   EXPECT_EQ(files_in(path("got")).size(), 3u);
 }
 
-std::string http_get(std::uint16_t port, const std::string& what) {
-  const int s = connected(port);
-  if (s < 0) return {};
-  const std::string request = "GET " + what + " HTTP/1.0\r\nHost: localhost\r\n\r\n";
-  static_cast<void>(::send(s, request.data(), request.size(), MSG_NOSIGNAL));
-  std::string reply;
-  char buffer[65536];
-  for (ssize_t n; (n = ::recv(s, buffer, sizeof buffer, 0)) > 0;)
-    reply.append(buffer, static_cast<std::size_t>(n));
-  ::close(s);
-  const std::size_t body = reply.find("\r\n\r\n");
-  return body == std::string::npos ? std::string() : reply.substr(body + 4);
-}
-
 TEST_F(Dicom, TheSpineRecordingComesBackFromOrthancAsTheSamePixels) {
   SONOBAND_DATA_OR_SKIP(data);
   const ToolRun in = run_tool(
@@ -280,30 +267,14 @@ TEST_F(Dicom, TheSpineRecordingComesBackFromOrthancAsTheSamePixels) {
   ASSERT_EQ(in.exit_code, 0) << in.err;
   const std::string exam = in.out.substr(0, in.out.find('\n'));
 
-  const std::uint16_t dicom_port = free_port();
-  std::uint16_t http_port = free_port();
-  while (http_port == dicom_port) http_port = free_port();
-  fs::create_directory(path("orthanc"));
-  std::ofstream(path("orthanc.json")) << nlohmann::json{
-      {"Name", "test"},
-      {"StorageDirectory", path("orthanc")},
-      {"IndexDirectory", path("orthanc")},
-      {"DicomAet", "ORTHANC"},
-      {"DicomPort", dicom_port},
-      {"HttpPort", http_port},
-      {"DicomAlwaysAllowStore", true},
-      {"RemoteAccessAllowed", false},
-      {"AuthenticationEnabled", false},
-      {"Plugins", nlohmann::json::array()}}.dump();
-  const Server orthanc({"Orthanc", path("orthanc.json")}, http_port, path("orthanc.log"));
+  const Orthanc orthanc(path("orthanc"));
   ASSERT_TRUE(orthanc.up());
-  const ToolRun sent = run_tool({"send", exam, "--dicom", "ORTHANC@127.0.0.1:" + std::to_string(dicom_port),
-                                 "--outbox", path("outbox")});
+  const ToolRun sent = run_tool({"send", exam, "--dicom", orthanc.peer(), "--outbox", path("outbox")});
   ASSERT_EQ(sent.exit_code, 0) << sent.err;
-  const auto instances = nlohmann::json::parse(http_get(http_port, "/instances"), nullptr, false);
+  const auto instances = nlohmann::json::parse(orthanc.http("GET", "/instances"), nullptr, false);
   ASSERT_EQ(instances.size(), 1u);
   std::ofstream(path("back.dcm"), std::ios::binary)
-      << http_get(http_port, "/instances/" + instances[0].get<std::string>() + "/file");
+      << orthanc.http("GET", "/instances/" + instances[0].get<std::string>() + "/file");
   const Read back = read_dicom(path("back.dcm"));
   EXPECT_EQ(back.sop_class, UID_UltrasoundMultiframeImageStorage);
 
