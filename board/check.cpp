@@ -12,7 +12,8 @@
 #include "hal/capture/v4l2_device.h"
 #include "hal/footswitch/gpio_contacts.h"
 #include "hal/footswitch/key_contacts.h"
-#include "hal/touch/find_touch.h"
+#include "hal/touch/evdev_port.h"
+#include "hal/touch/touchscreen.h"
 #include "hal/tracker/usb_port.h"
 
 namespace sonoband {
@@ -173,10 +174,22 @@ CheckLine check_pedal(const Profile& profile) {
   }
 }
 
-CheckLine check_touch() {
-  const std::string touch = find_touch();
-  if (!touch.empty()) return {CheckResult::found, "touch", touch, ""};
-  return {CheckResult::warning, "touch", "no touchscreen", "plug its USB cable in; a mouse works as well"};
+// No touchscreen is a warning: a mouse does everything as well.
+CheckLine check_touch(const Profile& profile) {
+  TouchPanel panel;
+  const TouchStatus status = evdev_port(profile.touch.device)->open(panel);
+  const std::string what = panel.name.empty() ? "touchscreen" : panel.name + " at " + panel.path;
+  switch (status) {
+    case TouchStatus::ok:
+      return {CheckResult::found, "touch", what, ""};
+    case TouchStatus::access_denied:
+      return {CheckResult::warning, "touch", "a touchscreen that may not be read", udev_cure};
+    case TouchStatus::busy:
+      return {CheckResult::warning, "touch", what + ", held by another program", "close that program"};
+    default:
+      return {CheckResult::warning, "touch", "no touchscreen as " + profile.touch.device,
+              "plug its USB cable in, or name it in touch.device; a mouse works as well"};
+  }
 }
 
 CheckLine check_display() {
@@ -216,7 +229,7 @@ std::vector<CheckLine> check_board(const std::string& board, const Profile& prof
   if (board == "sim" || board == "replay") {
     return {{CheckResult::found, "devices", "simulated", ""}, check_clock(), check_limits()};
   }
-  return {check_tracker(), check_video(profile), check_pedal(profile), check_touch(),
+  return {check_tracker(), check_video(profile), check_pedal(profile), check_touch(profile),
           check_display(), check_clock(),        check_limits()};
 }
 

@@ -12,6 +12,7 @@
 #include "hal/clock.h"
 #include "hal/devices.h"
 #include "hal/footswitch/contact_footswitch.h"
+#include "hal/touch/contacts.h"
 #include "hal/tracker/link_types.h"
 
 namespace sonoband {
@@ -32,6 +33,7 @@ struct BoardDevices {
   std::unique_ptr<Tracker> tracker;
   std::unique_ptr<FrameSource> frames;
   std::unique_ptr<Footswitch> footswitch;
+  std::unique_ptr<Touch> touch;  // null: the board has none, and the window system's pointer is all there is
 
   int width_px = 0;  // of the captured picture
   int height_px = 0;
@@ -63,8 +65,8 @@ struct BoardCalibration {
   Duration latency_offset{};  // unless the profile has one
 };
 
-// Tracker on USB, video grabber and pedal, as the profile names them. Devices that are missing are waited
-// for.
+// Tracker on USB, video grabber, pedal and touchscreen, as the profile names them. Devices that are missing
+// are waited for.
 BoardDevices make_hardware_board(const std::string& name, const BoardCalibration& calibration,
                                  const Profile& profile, Clock& clock);
 
@@ -74,5 +76,6 @@ BoardCalibration scene_calibration(const Profile& profile);
 // Parts of the above, for the check and for tests.
 std::vector<PedalWiring> pedal_wiring(const Profile& profile);
 LinkConfig tracker_config(const Profile& profile);
+TouchMapping touch_mapping(const Profile& profile);
 
 }  // namespace sonoband

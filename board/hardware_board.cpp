@@ -4,6 +4,8 @@
 #include "hal/footswitch/contact_footswitch.h"
 #include "hal/footswitch/gpio_contacts.h"
 #include "hal/footswitch/key_contacts.h"
+#include "hal/touch/evdev_port.h"
+#include "hal/touch/touchscreen.h"
 #include "hal/tracker/polhemus_tracker.h"
 #include "hal/tracker/usb_port.h"
 
@@ -46,6 +48,15 @@ LinkConfig tracker_config(const Profile& profile) {
   return config;
 }
 
+TouchMapping touch_mapping(const Profile& profile) {
+  TouchMapping mapping;
+  mapping.calibration = profile.touch.calibration;
+  mapping.rotation_deg = profile.touch.rotation_deg;
+  // The panel's x axis lies along the picture's width only if it is not turned on its side.
+  if (profile.touch.rotation_deg % 180 == 0) mapping.width_mm = profile.screen.width_mm;
+  return mapping;
+}
+
 BoardDevices make_hardware_board(const std::string& name, const BoardCalibration& calibration,
                                  const Profile& profile, Clock& clock) {
   auto parts = std::make_shared<HardwareParts>();
@@ -66,6 +77,8 @@ BoardDevices make_hardware_board(const std::string& name, const BoardCalibration
   devices.footswitch = std::make_unique<ContactFootswitch>(
       profile.pedal.wired == "usb" ? key_contacts(profile.pedal.device) : gpio_contacts(), clock,
       pedal_wiring(profile));
+  devices.touch =
+      std::make_unique<Touchscreen>(evdev_port(profile.touch.device), clock, touch_mapping(profile));
   devices.probe_from_image = calibration.probe_from_image;
   if (!calibration.mask.view().empty()) devices.mask = calibration.mask.copy();
   devices.latency_offset = profile.capture.latency_ms ? from_seconds(*profile.capture.latency_ms / 1000)

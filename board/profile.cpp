@@ -148,6 +148,17 @@ std::vector<Key> all_keys() {
              }),
       real("pedal", "debounce-ms", 1, 200, [](P& p) -> double& { return p.pedal.debounce_ms; }),
       real("pedal", "stuck-s", 1, 3600, [](P& p) -> double& { return p.pedal.stuck_s; }),
+      real("screen", "width-mm", 0, 2000, [](P& p) -> double& { return p.screen.width_mm; }),
+      text("touch", "device", [](P& p) -> std::string& { return p.touch.device; }),
+      {"touch", "rotation-deg", "0, 90, 180 or 270",
+       [](const toml::node& node, P& p) {
+         const auto value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+         if (!value || *value < 0 || *value > 270 || *value % 90 != 0) return false;
+         p.touch.rotation_deg = static_cast<int>(*value);
+         return true;
+       }},
+      {"touch", "calibration", "six numbers from -10 to 10, the rows of libinput's calibration matrix",
+       [](const toml::node& node, P& p) { return take_numbers<double>(node, -10, 10, p.touch.calibration); }},
       whole<int>("ring", "frames", 16, 100000, [](P& p) -> int& { return p.ring.frames; }),
       real("ring", "pre-roll-s", 0, 60, [](P& p) -> double& { return p.ring.pre_roll_s; }),
       whole<int>("exams", "reserve-mb", 0, 1000000, [](P& p) -> int& { return p.exams.reserve_mb; }),
@@ -188,8 +199,10 @@ Profile parse_profile(std::string_view toml_text, const std::string& file, const
     const std::string table{table_key.str()};
     const std::string known = names(keys, table);
     if (known.empty() || !table_node.is_table()) {
-      throw ProfileError(place(file, table_node.source()) + ": there is no table [" + table +
-                         "]; the tables are [capture], [tracking], [pedal], [ring] and [simulation]");
+      throw ProfileError(
+          place(file, table_node.source()) + ": there is no table [" + table +
+          "]; the tables are [capture], [tracking], [pedal], [screen], [touch], [ring], [exams] and "
+          "[simulation]");
     }
     for (auto&& [name_key, node] : *table_node.as_table()) {
       const std::string name{name_key.str()};

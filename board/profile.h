@@ -54,6 +54,17 @@ struct Profile {
     std::string bias = "as-is";         // as-is, pull-up, pull-down or off
   } pedal;
 
+  struct Screen {
+    double width_mm = 0;  // of the picture: 217 of a 10.1 inch panel, 344 of 15.6 inch. 0: 150 dots per inch
+  } screen;
+
+  // Of the boards with a touchscreen.
+  struct Touch {
+    std::string device = "auto";  // its event device file, or the first touchscreen
+    int rotation_deg = 0;         // of the panel against the picture, clockwise: 0, 90, 180 or 270
+    std::array<double, 6> calibration{1, 0, 0, 0, 1, 0};  // libinput's matrix, of parts of the panel
+  } touch;
+
   struct Ring {
     int frames = 1200;      // 1200 of 640 x 480 are 370 MB, 40 s at 30 frames a second
     double pre_roll_s = 1;  // kept from before a press

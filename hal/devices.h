@@ -92,14 +92,15 @@ class Footswitch {
   virtual void stop() = 0;
 };
 
-// One change of one contact on the touchscreen, in pixels of the panel.
+// One change of one contact on the touchscreen, in parts of the panel: a driver does not know the display's
+// mode.
 struct TouchEvent {
   Stamp time{};
   enum class Kind : std::uint8_t { down, move, up } kind = Kind::down;
   std::int32_t contact = 0;  // the same from down to up
-  float x_px = 0;
-  float y_px = 0;
-  float major_mm = 0;  // size of the contact; 0 where the panel does not say
+  float x = 0;               // 0 at the picture's left edge, 1 at its right
+  float y = 0;               // 0 at its top, 1 at its bottom
+  float major_mm = 0;        // size of the contact; 0 where the panel does not say
 };
 
 class Touch {

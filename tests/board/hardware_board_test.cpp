@@ -14,6 +14,7 @@ Profile nothing_there() {
   Profile p = *board_profile("cart");
   p.capture.device = "/dev/no-such-grabber";
   p.pedal.pin = "NO_SUCH_LINE";
+  p.touch.device = "/dev/no-such-panel";
   return p;
 }
 
@@ -30,6 +31,11 @@ TEST(HardwareBoard, WaitsForDevicesThatAreNotThere) {
   EXPECT_STRNE(board.frames->health().reason, "");
   EXPECT_EQ(board.footswitch->health().state, DeviceState::absent);
   EXPECT_EQ(board.width_px, 1920);
+  board.touch->start();
+  TouchEvent touch;
+  EXPECT_EQ(board.touch->read(touch, std::chrono::milliseconds(5)), ReadStatus::nothing_yet);
+  EXPECT_EQ(board.touch->health().state, DeviceState::absent);
+  EXPECT_STRNE(board.touch->health().reason, "");
   EXPECT_FALSE(board.foot) << "a real pedal is not pressed by a program";
 }
 
@@ -47,6 +53,12 @@ TEST(HardwareBoard, TheProfilesWordsReachTheDevices) {
   EXPECT_EQ(tracker_config(p).probe_station, 3);
   EXPECT_EQ(tracker_config(p).hemisphere[2], 1);
   EXPECT_EQ(tracker_config(p).rate, RecordRate::hz_240);
+  p.screen.width_mm = 217;
+  p.touch.rotation_deg = 180;
+  EXPECT_EQ(touch_mapping(p).rotation_deg, 180);
+  EXPECT_EQ(touch_mapping(p).width_mm, 217);
+  p.touch.rotation_deg = 90;
+  EXPECT_EQ(touch_mapping(p).width_mm, 0) << "the width lies along the panel's y axis";
 }
 
 TEST(Check, SaysForEachDeviceWhatIsMissingAndTheCure) {
@@ -58,6 +70,11 @@ TEST(Check, SaysForEachDeviceWhatIsMissingAndTheCure) {
     EXPECT_EQ(line->result, CheckResult::missing) << text_of(*line);
     EXPECT_FALSE(line->cure.empty());
   }
+  const auto touch =
+      std::find_if(lines.begin(), lines.end(), [](const CheckLine& line) { return line.device == "touch"; });
+  ASSERT_NE(touch, lines.end());
+  EXPECT_EQ(touch->result, CheckResult::warning) << "a mouse works as well";
+  EXPECT_NE(text_of(*touch).find("/dev/no-such-panel"), std::string::npos);
   EXPECT_FALSE(all_found(lines));
   EXPECT_TRUE(all_found(check_board("sim", Profile{})));
 }

@@ -81,8 +81,18 @@ opening-pin = "KEY_B"
 second-pin = "KEY_C"
 active-low = false
 bias = "pull-up"
+[screen]
+width-mm = 217
+[touch]
+device = "/dev/input/by-id/panel"
+rotation-deg = 270
+calibration = [-1, 0, 1, 0, 1.5, -0.25]
 )",
                                   "cart.toml");
+  EXPECT_EQ(p.screen.width_mm, 217);
+  EXPECT_EQ(p.touch.device, "/dev/input/by-id/panel");
+  EXPECT_EQ(p.touch.rotation_deg, 270);
+  EXPECT_EQ(p.touch.calibration, (std::array<double, 6>{-1, 0, 1, 0, 1.5, -0.25}));
   EXPECT_EQ(p.capture.device, "/dev/v4l/by-id/grabber");
   EXPECT_EQ(p.capture.size_px, (std::array<int, 2>{1280, 720}));
   EXPECT_EQ(p.tracking.station, 2);
@@ -99,6 +109,10 @@ bias = "pull-up"
   EXPECT_NE(refusal("[tracking]\nhemisphere = [0, 0, 0]\n"), "accepted");
   EXPECT_NE(refusal("[pedal]\nactive-low = 1\n"), "accepted");
   EXPECT_NE(refusal("[capture]\nsize-px = [0, 480]\n"), "accepted");
+  EXPECT_EQ(refusal("[touch]\nrotation-deg = 45\n"),
+            "cart.toml:2: touch.rotation-deg must be 0, 90, 180 or 270");
+  EXPECT_NE(refusal("[touch]\ncalibration = [1, 0, 0, 0, 1]\n"), "accepted");
+  EXPECT_NE(refusal("[screen]\nwidth-mm = -1\n"), "accepted");
 }
 
 TEST(Profile, EveryBoardHasOneAndAMachinesOwnGoesOverIt) {
