@@ -112,6 +112,7 @@ ScreenOptions screen_options(const Options& options, const Profile& profile) {
   }
   screen.full_screen = options.full_screen;
   screen.scale = options.scale;
+  screen.width_mm = static_cast<float>(profile.screen.width_mm);
   screen.shots = options.shots.empty() ? options.out : options.shots;
   screen.pedal = profile.pedal.mode;
   screen.version = SONOBAND_VERSION;

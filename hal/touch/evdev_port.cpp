@@ -1,5 +1,6 @@
 #include "hal/touch/evdev_port.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <libevdev/libevdev.h>
 #include <poll.h>
@@ -17,7 +18,6 @@
 namespace sonoband {
 namespace {
 
-constexpr int last_event_device = 63;
 constexpr std::array<unsigned, 4> told_at_start = {ABS_MT_POSITION_X, ABS_MT_POSITION_Y, ABS_MT_TOUCH_MAJOR,
                                                    ABS_MT_TOOL_TYPE};
 
@@ -31,6 +31,23 @@ bool is_touchscreen(const libevdev* device) {
                       (has(device, EV_ABS, ABS_X) && has(device, EV_KEY, BTN_TOUCH));
   return places && libevdev_has_property(device, INPUT_PROP_DIRECT) != 0 &&
          !has(device, EV_KEY, BTN_TOOL_PEN);
+}
+
+// Event device files, in the kernel's order.
+std::vector<std::string> event_devices() {
+  std::vector<std::string> paths;
+  const std::string folder = "/dev/input/";
+  DIR* all = opendir(folder.c_str());
+  if (all == nullptr) return paths;
+  while (const dirent* entry = readdir(all)) {
+    const std::string name = entry->d_name;
+    if (name.starts_with("event")) paths.push_back(folder + name);
+  }
+  closedir(all);
+  std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  });
+  return paths;
 }
 
 // Of a device that may not be opened the kernel still says whether it lies on a display.
@@ -78,15 +95,18 @@ class EvdevPort final : public TouchPort {
         return give(event, out);
       syncing_ = false;
     }
-    if (libevdev_has_event_pending(device_) <= 0) {
+    int result = libevdev_next_event(device_, LIBEVDEV_READ_FLAG_NORMAL, &event);
+    if (result == -EAGAIN) {
       pollfd ready{fd_, POLLIN, 0};
       const auto ms =
           std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, Duration::zero())).count();
       const int n = poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(ms, 10'000)));
       if (n == 0 || (n < 0 && errno == EINTR)) return TouchStatus::nothing_yet;
-      if (n < 0 || (ready.revents & POLLIN) == 0) return TouchStatus::gone;
+      result = libevdev_next_event(device_, LIBEVDEV_READ_FLAG_NORMAL, &event);
+      // Of a device that is gone what it told before is still to be read.
+      if (result == -EAGAIN && (n < 0 || (ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0))
+        return TouchStatus::gone;
     }
-    const int result = libevdev_next_event(device_, LIBEVDEV_READ_FLAG_NORMAL, &event);
     if (result == -EAGAIN || result == -EINTR) return TouchStatus::nothing_yet;
     if (result == LIBEVDEV_READ_STATUS_SYNC) syncing_ = true;
     if (result < 0) return TouchStatus::gone;
@@ -107,8 +127,7 @@ class EvdevPort final : public TouchPort {
   TouchStatus find(TouchPanel& panel) {
     if (wanted_ != "auto") return try_path(wanted_, panel);
     TouchStatus best = TouchStatus::absent;
-    for (int n = 0; n <= last_event_device; ++n) {
-      const std::string path = "/dev/input/event" + std::to_string(n);
+    for (const std::string& path : event_devices()) {
       const TouchStatus status = try_path(path, panel);
       if (status == TouchStatus::ok) return status;
       if (status == TouchStatus::access_denied && said_to_lie_on_a_display(path)) best = status;
