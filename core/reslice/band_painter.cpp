@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/reslice/bilinear.h"
 #include "core/reslice/ties.h"
@@ -35,11 +36,31 @@ ChainBoundary BandPainter::boundary(const Lattice& lattice, const AffineScalar& 
   return result;
 }
 
+// The mask keeps every tap of every foot in the box.
+bool BandPainter::all_taps_kept(const FrameEntry& frame, const SampleBox& box) const {
+  if (table_.mask_sums.empty()) return true;
+  constexpr double room = 1e-3;  // px, beyond rounding
+  const auto taps = [&](const AffineScalar& axis, int size) {
+    const Span feet = span_of(axis, box);
+    const auto pixel = [&](double at) {
+      return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
+    };
+    return std::pair(pixel(feet.lowest - room), pixel(feet.highest + room + 1));
+  };
+  const auto [left, right] = taps(frame.x_px, frame.width);
+  const auto [top, bottom] = taps(frame.y_px, frame.height);
+  return table_.mask_sums.kept(left, top, right, bottom) ==
+         static_cast<std::uint32_t>(right - left + 1) * static_cast<std::uint32_t>(bottom - top + 1);
+}
+
 void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
-                          const std::vector<Candidate>& candidates, int l, Cells& cells) const {
+                          const std::vector<Candidate>& candidates, const SampleBox& box, int l,
+                          Cells& cells) const {
   cells.members.clear();
   cells.frames.clear();
   cells.distances.clear();
+  cells.shares.clear();
+  cells.grey_taps = linear_ && table_.kind == PixelKind::grey;
   cells.boundaries.clear();
   const std::size_t members = chain.members.size();
   const auto entry = [&](std::size_t m) -> const FrameEntry& {
@@ -57,6 +78,12 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
     frame.y += l * frame.y_per_layer;
     cells.frames.push_back(frame);
   }
+  const auto distance = [&](const AffineScalar& mm) -> TileDistance {
+    return {static_cast<float>(mm.at(lattice.at(tile_.block.a, tile_.block.b, l))),
+            static_cast<float>(mm.gradient.dot(lattice.per_sample)),
+            static_cast<float>(mm.gradient.dot(lattice.per_row)),
+            static_cast<float>(mm.gradient.dot(lattice.per_layer))};
+  };
   ChainBoundary always, never;
   always.always = true;
   never.never = true;
@@ -66,10 +93,14 @@ void BandPainter::lay_out(const Lattice& lattice, const Chain& chain,
     if (linear_) {
       const AffineScalar mm = z(m);
       cells.boundaries.push_back(boundary(lattice, mm, l));
-      cells.distances.push_back({static_cast<float>(mm.at(lattice.at(tile_.block.a, tile_.block.b, l))),
-                                 static_cast<float>(mm.gradient.dot(lattice.per_sample)),
-                                 static_cast<float>(mm.gradient.dot(lattice.per_row)),
-                                 static_cast<float>(mm.gradient.dot(lattice.per_layer))});
+      cells.distances.push_back(distance(mm));
+      cells.grey_taps = cells.grey_taps && all_taps_kept(entry(m), box);
+      if (m == 0) continue;
+      const AffineScalar before = z(m - 1);
+      ChainShare& share = cells.shares.emplace_back();
+      share.z = distance(before);
+      share.gap = distance({before.gradient - mm.gradient, before.offset - mm.offset});
+      patch_kernels().lay_share(tile_.grid, share);
     } else if (m > 0) {
       const AffineScalar before = z(m - 1), after = z(m);
       const bool later = cells.members[m] > cells.members[m - 1];
@@ -89,6 +120,10 @@ int BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
   if (!linear_) {
     return patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
                                       totals_.piece());
+  }
+  if (cells.grey_taps) {
+    return patch_kernels().blend_chain(cells.frames.data(), cells.shares.data(), cells.boundaries.data(),
+                                       count, site, rule_, totals_.piece());
   }
   std::array<LaneMask, patch_layers> masks;
   return walk_chain(
@@ -118,13 +153,11 @@ void BandPainter::blend_cell(const Cells& cells, int cell, const PatchSite& site
     out.patch = frame.frame;
     FixedPx x = frame.x_at(site, range.low) + foot_from_position;
     FixedPx y = frame.y_at(site, range.low) + foot_from_position;
-    const Distance& z = cells.distances[member];
-    const float first =
-        z.first + z.per_sample * static_cast<float>(site.da) + z.per_row * static_cast<float>(site.db);
+    const TileDistance& z = cells.distances[member];
     for (int i = 0; i < layers; ++i, x += frame.x_per_layer, y += frame.y_per_layer) {
       out.x[i] = x;
       out.y[i] = y;
-      out.z[i] = first + z.per_layer * static_cast<float>(range.low + i);
+      out.z[i] = z.at(site, range.low + i);
     }
     out.z_per_sample = z.per_sample;
     out.z_per_row = z.per_row;
@@ -270,7 +303,7 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
   if (make_chain(table_, candidates, box, chain)) {
-    lay_out(lattice, chain, candidates, block.l, cells_);
+    lay_out(lattice, chain, candidates, box, block.l, cells_);
     paint_cells(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes});
     return;
   }
@@ -324,7 +357,7 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   };
   Chain chain;
   if (region.depth <= patch_layers && make_chain(table_, candidates, box, chain)) {
-    lay_out(lattice, chain, candidates, 0, cells_);
+    lay_out(lattice, chain, candidates, box, 0, cells_);
     int start = 0;
     paint_patches([&](int a, int b, int width, int height) {
       start = paint_cells(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth,

@@ -32,23 +32,22 @@ class BandPainter {
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
 
  private:
-  // first + a per_sample + b per_row + l per_layer mm at the tile's sample (a, b), layer l of the piece.
-  struct Distance {
-    float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
-  };
   // A chain laid out for patches. Nearest: a cell is a member's, begun by the bisector with the one before.
   // Linear: a cell lies between two members, begun by the plane of the one before.
   struct Cells {
     std::vector<int> members;               // places in tile_.frames
     std::vector<ChainFrame> frames;         // theirs
-    std::vector<Distance> distances;        // theirs; linear only
+    std::vector<TileDistance> distances;    // theirs; linear only
+    std::vector<ChainShare> shares;         // between neighbours; linear only
     std::vector<ChainBoundary> boundaries;  // one more than cells
+    bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask
   };
 
   Interpolation interpolation() const { return linear_ ? Interpolation::linear : Interpolation::nearest; }
   ChainBoundary boundary(const Lattice& lattice, const AffineScalar& value, int l) const;
-  void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates, int l,
-               Cells& cells) const;
+  void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates,
+               const SampleBox& box, int l, Cells& cells) const;
+  bool all_taps_kept(const FrameEntry& frame, const SampleBox& box) const;
   // Returns a cell for the next patch to start from.
   int paint_cells(const Cells& cells, const PatchSite& site);
   void blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,

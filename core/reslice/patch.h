@@ -33,6 +33,9 @@ LaneGrid lane_grid(LaneShape shape);
 using FixedPx = std::int64_t;
 constexpr double fixed_per_px = 4294967296.0;
 
+// From a position (fixed_position) to the foot itself, whose whole part is the upper left of its four taps.
+constexpr FixedPx foot_from_position = -((FixedPx{1} << 31) + (FixedPx{1} << 17));
+
 // How a frame's pixels are fetched for 64 lanes at once.
 enum class Fetch : std::uint8_t {
   rows,    // lanes lie on few pixel rows: up to 127 pixels of each
@@ -110,6 +113,22 @@ struct ChainFrame {
   }
 };
 
+// An affine function over a tile, in mm, from its corner and layer 0 of the piece.
+struct TileDistance {
+  float first = 0, per_sample = 0, per_row = 0, per_layer = 0;
+  float at(const PatchSite& p, int l) const {
+    return first + (per_sample * static_cast<float>(p.da) + per_row * static_cast<float>(p.db)) +
+           per_layer * static_cast<float>(l);
+  }
+};
+
+// How two neighbours of a chain share the samples between them: the second has z / gap.
+struct alignas(64) ChainShare {
+  TileDistance z;                                     // signed distance from the first frame
+  TileDistance gap;                                   // between the two, > 0
+  std::array<float, patch_lanes> z_lanes, gap_lanes;  // from lane 0, in the kernels' order
+};
+
 // What a frame gives to a layer of eight lines that follow no lattice; lane k is sample k % 8 of line k / 8.
 struct RulingLayer {
   int layer = 0;
@@ -154,6 +173,15 @@ struct PatchKernels {
   // Returns the first cell with layers in the patch, or one near it.
   int (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                     const PatchSite& site, Rule rule, PatchSums& sums);
+
+  // Fills z_lanes and gap_lanes.
+  void (*lay_share)(const LaneGrid& grid, ChainShare& share);
+
+  // As take_chain, of bilinear values: cell j lies between frames[j - 1] and frames[j], shared as shares[j -
+  // 1] says; the first and the last cell have one frame. All taps must be in picture or beyond its edge, none
+  // masked.
+  int (*blend_chain)(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
+                     int count, const PatchSite& site, Rule rule, PatchSums& sums);
 
   // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel.
   void (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row, std::int32_t* offsets);
@@ -214,7 +242,4 @@ inline FixedPx fixed_position(double foot_px) {
   const double position = (foot_px + 0.5 + 1.0 / 32768) * fixed_per_px;
   return static_cast<FixedPx>(position + (position < 0 ? -0.5 : 0.5));
 }
-// From that position to the foot itself, whose whole part is the upper left of its four taps.
-constexpr FixedPx foot_from_position = -((FixedPx{1} << 31) + (FixedPx{1} << 17));
-
 }  // namespace sonoband

@@ -84,14 +84,19 @@ struct Condition {
   }
 };
 
+HWY_ATTR HWY_INLINE LaneMask lanes_between(const Condition& from, const Condition& to, const PatchSite& site,
+                                           int l) {
+  const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+  return site.lanes & from.at(layer) & ~to.at(layer);
+}
+
 template <Rule rule, class FetchLanes>
 HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, const Condition& from,
                                    const Condition& to, const LayerRange& range, Gathered<rule>& gathered) {
   FetchLanes fetch(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
   FixedPx x = f.x_at(site, range.low), y = f.y_at(site, range.low);
   for (int l = range.low; l < range.high; ++l, x += f.x_per_layer, y += f.y_per_layer) {
-    const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
-    const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
+    const LaneMask m = lanes_between(from, to, site, l);
     if (m == 0) continue;
     if (l + layers_ahead < range.high)
       fetch.prefetch(x + layers_ahead * f.x_per_layer, y + layers_ahead * f.y_per_layer);
@@ -99,13 +104,13 @@ HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, c
   }
 }
 
-template <Rule rule>
-HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                           const PatchSite& site, PatchSums& sums) {
-  Gathered<rule> gathered(sums);
+// Calls visit(cell, from, to, range) with the conditions that begin and end each cell of the patch.
+template <class Visit>
+HWY_ATTR HWY_INLINE int walk_conditions(const ChainBoundary* boundaries, int count, const PatchSite& site,
+                                        Visit visit) {
   Condition conditions[2];
   const ChainBoundary* settled = nullptr;  // what conditions[0] is of
-  const int start = walk_chain(
+  return walk_chain(
       boundaries, count, site,
       [&](int cell, const ChainBoundary* begin, const ChainBoundary* end, const LayerRange& range) HWY_ATTR {
         Condition& from = conditions[0];
@@ -120,6 +125,19 @@ HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* bounda
         } else {
           to.settle(*end, site);
         }
+        visit(cell, from, to, range);
+        from = to;
+        settled = end;
+      });
+}
+
+template <Rule rule>
+HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                           const PatchSite& site, PatchSums& sums) {
+  Gathered<rule> gathered(sums);
+  const int start = walk_conditions(
+      boundaries, count, site,
+      [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
         const ChainFrame& f = frames[cell];
         if (f.frame->fetch == Fetch::window) {
           take_cell<rule, WindowFetch>(f, site, from, to, range, gathered);
@@ -128,15 +146,12 @@ HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* bounda
         } else {
           gathered.store();
           for (int l = range.low; l < range.high; ++l) {
-            const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
-            const LaneMask m = site.lanes & from.at(layer) & ~to.at(layer);
+            const LaneMask m = lanes_between(from, to, site, l);
             const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
             take_single<rule>(*f.frame, &x, &y, &m, 1, sums);
           }
           gathered = Gathered<rule>(sums);
         }
-        from = to;
-        settled = end;
       });
   gathered.store();
   return start;

@@ -15,6 +15,7 @@
 #include "core/reslice/patch_rulings-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
 #include "core/reslice/patch_chain_vbmi-inl.h"
+#include "core/reslice/patch_linear_chain_vbmi-inl.h"
 #include "core/reslice/patch_linear_vbmi-inl.h"
 #include "core/reslice/patch_vbmi-inl.h"
 #endif
@@ -171,9 +172,9 @@ HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, c
   take_single<rule>(f, x, y, masks, layers, sums);
 }
 
-template <Rule rule>
-HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                           const PatchSite& site, PatchSums& sums) {
+// Calls visit(cell, l, lanes) for every layer of every cell.
+template <class Visit>
+HWY_ATTR int walk_layers(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
   LaneMask masks[patch_layers];
   LayerThresholds scratch;
   return walk_chain(boundaries, count, site,
@@ -188,12 +189,29 @@ HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* bounda
                             thresholds(*to, site, scratch);
                             hold(scratch, false, range.low, range.high, masks);
                           }
-                          const ChainFrame& f = frames[cell];
-                          for (int l = range.low; l < range.high; ++l) {
-                            const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-                            take_single<rule>(*f.frame, &x, &y, masks + (l - range.low), 1, sums);
-                          }
+                          for (int l = range.low; l < range.high; ++l) visit(cell, l, masks[l - range.low]);
                         });
+}
+
+template <Rule rule>
+HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                           const PatchSite& site, PatchSums& sums) {
+  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
+    const ChainFrame& f = frames[cell];
+    const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+    take_single<rule>(*f.frame, &x, &y, &mask, 1, sums);
+  });
+}
+
+template <Rule rule>
+HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
+                            const ChainBoundary* boundaries, int count, const PatchSite& site,
+                            PatchSums& sums) {
+  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
+    const bool alone = cell == 0 || cell == count - 1;
+    const ChainFrame& a = frames[std::max(cell - 1, 0)];
+    blend_layer<rule>(a, alone ? a : frames[cell], alone ? nullptr : shares + cell - 1, site, l, mask, sums);
+  });
 }
 
 template <Rule rule>
@@ -203,6 +221,13 @@ HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSi
 }
 
 #endif
+
+HWY_ATTR void lay_share(const LaneGrid& grid, ChainShare& share) {
+  for (int k = 0; k < patch_lanes; ++k) {
+    share.z_lanes[share_place(k)] = share.z.per_sample * grid.a[k] + share.z.per_row * grid.b[k];
+    share.gap_lanes[share_place(k)] = share.gap.per_sample * grid.a[k] + share.gap.per_row * grid.b[k];
+  }
+}
 
 HWY_ATTR void take(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
                    Rule rule, PatchSums& sums) {
@@ -231,6 +256,20 @@ HWY_ATTR int take_chain(const ChainFrame* frames, const ChainBoundary* boundarie
       break;
   }
   return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
+}
+
+HWY_ATTR int blend_chain(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
+                         int count, const PatchSite& site, Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return blend_chain_by<Rule::maximum>(frames, shares, boundaries, count, site, sums);
+    case Rule::minimum:
+      return blend_chain_by<Rule::minimum>(frames, shares, boundaries, count, site, sums);
+    case Rule::mean_grey:
+    case Rule::mean_doppler:
+      break;
+  }
+  return blend_chain_by<Rule::mean_grey>(frames, shares, boundaries, count, site, sums);
 }
 
 HWY_ATTR void take_rulings(const RulingCell* cells, int count, const RulingLayer* layers, int sample,
@@ -308,9 +347,10 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{HWY_TARGET,      lay_lanes, thresholds, take_chain, lane_positions,
-                                        split_positions, hold,      half_space, inside,     take,
-                                        take_rulings,    blend,     taps_inside};
+  static constexpr PatchKernels kernels{HWY_TARGET,   lay_lanes,   thresholds,     take_chain,
+                                        lay_share,    blend_chain, lane_positions, split_positions,
+                                        hold,         half_space,  inside,         take,
+                                        take_rulings, blend,       taps_inside};
   return kernels;
 }
 

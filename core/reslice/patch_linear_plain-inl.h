@@ -9,11 +9,23 @@
 #endif
 // clang-format on
 
+#include <cmath>
+
 #include "core/reslice/patch_plain-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
+
+// Weights of two frames' values sum to this, which also takes 1/255 level to 1/128: 2^15 128 / 255.
+constexpr int blend_full = 16448;
+constexpr int blend_offset = 128 * 128 + 64;  // the middle level, and a half
+
+// Where ChainShare keeps a lane: packing two vectors of 32-bit numbers to 16 bits mixes their quarters, and
+// stored in this order they come out in lane order.
+constexpr int share_place(int lane) {
+  return 16 * (2 * (lane / 32) + lane / 4 % 2) + 4 * (lane / 8 % 4) + lane % 4;
+}
 
 // The four taps of one lane, those beyond the edge moved onto it, and how far the foot is from the first.
 struct LaneTaps {
@@ -30,44 +42,71 @@ HWY_ATTR inline LaneTaps lane_taps(const PatchFrame& f, FixedPx x, FixedPx y, in
           static_cast<std::uint32_t>(at_x & 0xffff), static_cast<std::uint32_t>(at_y & 0xffff)};
 }
 
-// a (1 - t) + b t with t in 1/65536, of numbers in 1/256 level.
-HWY_ATTR inline std::uint32_t lerp(std::uint32_t a, std::uint32_t b, std::uint32_t t) {
-  return (a * (65535 - t) >> 16) + (b * t >> 16);
+// a b / 2^15, rounded: what the vector instruction gives.
+HWY_ATTR inline std::int32_t times(std::int32_t a, std::int32_t b) {
+  return (a * b + (1 << 14)) >> 15;
 }
 
-HWY_ATTR inline std::uint32_t bilinear(const PatchFrame& f, FixedPx x, FixedPx y, int k) {
+// In 1/255 level from the middle, 128: 16 bits. Weights of 8 bits along x, of 15 along y.
+HWY_ATTR inline std::int32_t bilinear(const PatchFrame& f, FixedPx x, FixedPx y, int k) {
   const LaneTaps t = lane_taps(f, x, y, k);
-  const std::uint8_t* top = f.pixels + t.top * f.stride;
-  const std::uint8_t* bottom = f.pixels + t.bottom * f.stride;
-  const std::uint32_t upper =
-      lerp(std::uint32_t{top[t.left]} << 8, std::uint32_t{top[t.right]} << 8, t.part_x);
-  const std::uint32_t lower =
-      lerp(std::uint32_t{bottom[t.left]} << 8, std::uint32_t{bottom[t.right]} << 8, t.part_x);
-  return lerp(upper, lower, t.part_y);
+  const auto across = [&](std::int32_t row) {
+    const std::uint8_t* pixels = f.pixels + row * f.stride;
+    const auto right = static_cast<std::int32_t>(t.part_x >> 8);
+    return (pixels[t.left] - 128) * (255 - right) + (pixels[t.right] - 128) * right;
+  };
+  const auto lower = static_cast<std::int32_t>(t.part_y >> 1);
+  return times(across(t.top), 32767 - lower) + times(across(t.bottom), lower);
 }
 
-// What the cut-off parts of three blends amount to on average, and a half: added before the last rounding.
-constexpr std::uint32_t blend_rounding = 128 + 3;
+// Of two bilinear values, share / blend_full of the second.
+HWY_ATTR inline std::uint8_t blended(std::int32_t a, std::int32_t b, std::int32_t share) {
+  return static_cast<std::uint8_t>((times(a, blend_full - share) + times(b, share) + blend_offset) >> 7);
+}
 
-template <Rule rule>
-HWY_ATTR void blend_single(const LaneGrid& grid, const LinearSide& a, const LinearSide& b,
-                           const LaneMask* masks, int layers, PatchSums& sums) {
+// share_at(l, k): of frame b, 0 .. 1.
+template <Rule rule, class ShareAt>
+HWY_ATTR void blend_lanes(const PatchFrame& a, const FixedPx* xa, const FixedPx* ya, const PatchFrame& b,
+                          const FixedPx* xb, const FixedPx* yb, ShareAt share_at, const LaneMask* masks,
+                          int layers, PatchSums& sums) {
   alignas(64) std::uint8_t values[patch_lanes] = {};
   for (int l = 0; l < layers; ++l) {
     if (masks[l] == 0) continue;
     for (int k = 0; k < patch_lanes; ++k) {
       if (((masks[l] >> k) & 1) == 0) continue;
-      const float za = a.z[l] + (a.z_per_sample * grid.a[k] + a.z_per_row * grid.b[k]);
-      const float zb = b.z[l] + (b.z_per_sample * grid.a[k] + b.z_per_row * grid.b[k]);
-      // b's weight is the share of a's distance.
-      const float share = std::clamp(za / (za - zb) * 65536.0F, 0.0F, 65535.0F);
-      const std::uint32_t value =
-          lerp(bilinear(*a.frame, a.x[l], a.y[l], k), bilinear(*b.frame, b.x[l], b.y[l], k),
-               static_cast<std::uint32_t>(share + 0.5F > 65535.0F ? 65535.0F : share + 0.5F));
-      values[k] = static_cast<std::uint8_t>(std::min(value + blend_rounding, 65535U) >> 8);
+      const float share = std::min(std::max(share_at(l, k), 0.0F), 1.0F);
+      values[k] = blended(bilinear(a, xa[l], ya[l], k), bilinear(b, xb[l], yb[l], k),
+                          static_cast<std::int32_t>(std::lrintf(share * blend_full)));
     }
     compound_lanes<rule>(values, masks[l], sums);
   }
+}
+
+template <Rule rule>
+HWY_ATTR void blend_single(const LaneGrid& grid, const LinearSide& a, const LinearSide& b,
+                           const LaneMask* masks, int layers, PatchSums& sums) {
+  const auto share_at = [&](int l, int k) {
+    const float za = a.z[l] + (a.z_per_sample * grid.a[k] + a.z_per_row * grid.b[k]);
+    const float zb = b.z[l] + (b.z_per_sample * grid.a[k] + b.z_per_row * grid.b[k]);
+    return za != zb ? za / (za - zb) : 0;
+  };
+  blend_lanes<rule>(*a.frame, a.x, a.y, *b.frame, b.x, b.y, share_at, masks, layers, sums);
+}
+
+// One layer of a chain's cell between frames a and b, or of one frame where `share` is null.
+template <Rule rule>
+HWY_ATTR void blend_layer(const ChainFrame& a, const ChainFrame& b, const ChainShare* share,
+                          const PatchSite& site, int l, LaneMask mask, PatchSums& sums) {
+  const FixedPx xa = a.x_at(site, l) + foot_from_position, ya = a.y_at(site, l) + foot_from_position;
+  const FixedPx xb = b.x_at(site, l) + foot_from_position, yb = b.y_at(site, l) + foot_from_position;
+  const float z = share != nullptr ? share->z.at(site, l) : 0;
+  const float gap = share != nullptr ? share->gap.at(site, l) : 0;
+  const auto share_at = [&](int, int k) {
+    if (share == nullptr) return 0.0F;
+    const int place = share_place(k);
+    return (z + share->z_lanes[place]) / (gap + share->gap_lanes[place]);
+  };
+  blend_lanes<rule>(*a.frame, &xa, &ya, *b.frame, &xb, &yb, share_at, &mask, 1, sums);
 }
 
 HWY_ATTR inline void taps_inside_single(const PatchFrame& f, const std::uint8_t* mask,

@@ -1,5 +1,5 @@
-// Blending bilinear samples by byte permutes (AVX-512 VBMI): four taps of 64 lanes at once, weights of 16
-// bits. Included once per target that has it.
+// Blending bilinear samples by byte permutes (AVX-512 VBMI). One permute fetches the left and the right taps
+// of 32 lanes as pairs of bytes, which one multiply-add blends. Included once per target that has it.
 // clang-format off
 #if defined(SONOBAND_PATCH_LINEAR_VBMI_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SONOBAND_PATCH_LINEAR_VBMI_INL_H
@@ -16,256 +16,315 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
+// 64 words, lanes in order.
+struct Wide {
+  __m512i low, high;
+};
+
+// The left and the right tap of each lane, as the two bytes of a word.
 struct Taps {
-  __m512i upper_left, upper_right, lower_left, lower_right;  // bytes by lane
+  Wide upper, lower;
 };
 
-// Columns or rows of the two taps along one axis, relative to a first one, moved into [least, most].
-struct TapPair {
-  __m512i first, second;
-  HWY_ATTR HWY_INLINE TapPair(__m512i at, int least, int most) {
-    const __m512i low = _mm512_set1_epi8(static_cast<char>(least));
-    const __m512i high = _mm512_set1_epi8(static_cast<char>(most));
-    first = _mm512_min_epi8(_mm512_max_epi8(at, low), high);
-    second = _mm512_min_epi8(_mm512_max_epi8(_mm512_add_epi8(at, _mm512_set1_epi8(1)), low), high);
-  }
-};
+// Bytes of 64 lanes as words.
+HWY_ATTR HWY_INLINE Wide words_of(const std::uint8_t* bytes) {
+  return {_mm512_cvtepu8_epi16(_mm256_load_si256(reinterpret_cast<const __m256i*>(bytes))),
+          _mm512_cvtepu8_epi16(_mm256_load_si256(reinterpret_cast<const __m256i*>(bytes + 32)))};
+}
+HWY_ATTR HWY_INLINE __m512i in_both_bytes(__m512i words) {
+  return _mm512_or_si512(words, _mm512_slli_epi16(words, 8));
+}
 
-class TapsBase {
+// Whole parts by lane, to which the carries of the fractional parts are added.
+class Whole {
  public:
-  HWY_ATTR explicit TapsBase(const PatchFrame& f)
+  HWY_ATTR Whole(Wide whole, const std::uint16_t* parts)
+      : whole_(whole), low_(_mm512_load_si512(parts)), high_(_mm512_load_si512(parts + 32)) {}
+  HWY_ATTR HWY_INLINE Wide at(FixedPx position, short carry) const {
+    const __m512i most = _mm512_set1_epi16(static_cast<short>(~(position >> 16)));
+    const __m512i more = _mm512_set1_epi16(carry);
+    return {_mm512_mask_add_epi16(whole_.low, _mm512_cmpgt_epu16_mask(low_, most), whole_.low, more),
+            _mm512_mask_add_epi16(whole_.high, _mm512_cmpgt_epu16_mask(high_, most), whole_.high, more)};
+  }
+  HWY_ATTR HWY_INLINE Wide add_carries(Wide to, FixedPx position, short carry) const {
+    const __m512i most = _mm512_set1_epi16(static_cast<short>(~(position >> 16)));
+    const __m512i more = _mm512_set1_epi16(carry);
+    return {_mm512_mask_add_epi16(to.low, _mm512_cmpgt_epu16_mask(low_, most), to.low, more),
+            _mm512_mask_add_epi16(to.high, _mm512_cmpgt_epu16_mask(high_, most), to.high, more)};
+  }
+
+ private:
+  Wide whole_;
+  __m512i low_, high_;
+};
+
+// Columns of both taps.
+HWY_ATTR HWY_INLINE Wide column_pairs(const PatchFrame& f) {
+  const Wide columns = words_of(f.column.data());
+  const __m512i right = _mm512_set1_epi16(0x100);
+  return {_mm512_add_epi16(in_both_bytes(columns.low), right),
+          _mm512_add_epi16(in_both_bytes(columns.high), right)};
+}
+HWY_ATTR HWY_INLINE Wide row_pairs(const PatchFrame& f) {
+  const Wide rows = words_of(f.row.data());
+  return {in_both_bytes(rows.low), in_both_bytes(rows.high)};
+}
+
+// Bytes moved by `shift`, into [least, most].
+HWY_ATTR HWY_INLINE Wide clamped(Wide bytes, int shift, int least, int most) {
+  const auto one = [&](__m512i v) HWY_ATTR {
+    const __m512i moved = _mm512_add_epi8(v, _mm512_set1_epi8(static_cast<char>(shift)));
+    return _mm512_min_epi8(_mm512_max_epi8(moved, _mm512_set1_epi8(static_cast<char>(least))),
+                           _mm512_set1_epi8(static_cast<char>(most)));
+  };
+  return {one(bytes.low), one(bytes.high)};
+}
+
+// Lanes on few rows of the picture.
+class RowsTaps {
+ public:
+  HWY_ATTR RowsTaps(const PatchFrame& f, bool, bool)
       : f_(f),
-        carries_x_(f.part_x.data()),
-        carries_y_(f.part_y.data()),
-        column_(_mm512_load_si512(f.column.data())),
-        row_(_mm512_load_si512(f.row.data())) {}
+        reach_(f.columns + 2 < 80 ? 80 : 128),
+        columns_(column_pairs(f), f.part_x.data()),
+        rows_(words_of(f.row.data()), f.part_y.data()) {}
 
- protected:
-  HWY_ATTR HWY_INLINE __m512i column(FixedPx x, int shift) const {
-    const __m512i at = _mm512_mask_add_epi8(column_, carries_x_.at(x), column_, _mm512_set1_epi8(1));
-    return _mm512_add_epi8(at, _mm512_set1_epi8(static_cast<char>(shift)));
-  }
-  HWY_ATTR HWY_INLINE __m512i row(FixedPx y, int shift) const {
-    const __m512i at = _mm512_mask_add_epi8(row_, carries_y_.at(y), row_, _mm512_set1_epi8(1));
-    return _mm512_add_epi8(at, _mm512_set1_epi8(static_cast<char>(shift)));
-  }
-  const PatchFrame& f_;
-  Carries carries_x_, carries_y_;
-  __m512i column_, row_;
-};
-
-class RowsTaps : TapsBase {
- public:
-  HWY_ATTR RowsTaps(const PatchFrame& f, bool, bool) : TapsBase(f) {}
-
-  HWY_ATTR HWY_INLINE Taps at(FixedPx x, FixedPx y) {
-    const int left = whole(x) + f_.least_column, top = whole(y) + f_.least_row;
-    const auto edge = [](int first, int size, int& least, int& most) {
-      least = std::clamp(-first, 0, 127);
-      most = std::clamp(size - 1 - first, 0, 127);
-    };
-    int least_column = 0, most_column = 0, least_row = 0, most_row = 0;
-    edge(left, f_.width, least_column, most_column);
-    edge(top, f_.height, least_row, most_row);
-    const TapPair columns(column(x, 0), least_column, most_column);
-    const TapPair rows(row(y, 0), least_row, most_row);
-    const bool clear = left >= 0 && left + 128 <= f_.width;
-    const __mmask64 low = clear ? ~LaneMask{0} : in_picture(left);
-    const __mmask64 high = clear ? ~LaneMask{0} : in_picture(left + 64);
-    Taps taps{};
-    const int last = std::min(most_row, f_.rows + 2);
-    for (int r = least_row; r <= last; ++r) {
-      if (top + r < 0 || top + r >= f_.height) continue;
-      const std::uint8_t* from = f_.pixels + (top + r) * f_.stride + left;
-      const __m512i a = _mm512_maskz_loadu_epi8(low, from), b = _mm512_maskz_loadu_epi8(high, from + 64);
-      const __m512i on_left = _mm512_permutex2var_epi8(a, columns.first, b);
-      const __m512i on_right = _mm512_permutex2var_epi8(a, columns.second, b);
-      const __m512i this_row = _mm512_set1_epi8(static_cast<char>(r));
-      const __mmask64 upper = _mm512_cmpeq_epi8_mask(rows.first, this_row);
-      const __mmask64 lower = _mm512_cmpeq_epi8_mask(rows.second, this_row);
-      taps.upper_left = _mm512_mask_mov_epi8(taps.upper_left, upper, on_left);
-      taps.upper_right = _mm512_mask_mov_epi8(taps.upper_right, upper, on_right);
-      taps.lower_left = _mm512_mask_mov_epi8(taps.lower_left, lower, on_left);
-      taps.lower_right = _mm512_mask_mov_epi8(taps.lower_right, lower, on_right);
+  HWY_ATTR HWY_INLINE Taps at(FixedPx x, FixedPx y) const {
+    const int left = whole(x) + f_.least_column;
+    const auto y16 = static_cast<std::int32_t>(y >> 16);
+    const int top = (y16 + f_.least_y) >> 16, bottom = (y16 + f_.greatest_y) >> 16;
+    const Wide columns = columns_.at(x, 0x101);
+    if (left < 0 || left + reach_ > f_.width || top < 0 || bottom + 1 >= f_.height)
+      return at_edge(left, top, bottom, columns, y);
+    const std::uint8_t* from = f_.pixels + top * f_.stride + left;
+    Taps taps{across(from, columns), across(from + f_.stride, columns)};
+    if (top == bottom) return taps;
+    Wide row = taps.lower;
+    const Wide rows = rows_.at(y, 1);
+    const int base = whole(y) + f_.least_row;
+    for (int r = top + 1; r <= bottom; ++r) {
+      const Wide next = across(f_.pixels + (r + 1) * f_.stride + left, columns);
+      choose(rows, r - base, row, next, taps);
+      row = next;
     }
     return taps;
   }
 
  private:
+  // The taps of lanes whose upper row is `here`.
+  HWY_ATTR static HWY_INLINE void choose(Wide rows, int here, Wide upper, Wide lower, Taps& taps) {
+    const __m512i row = _mm512_set1_epi16(static_cast<short>(here));
+    const __mmask32 low = _mm512_cmpeq_epi16_mask(rows.low, row);
+    const __mmask32 high = _mm512_cmpeq_epi16_mask(rows.high, row);
+    taps.upper.low = _mm512_mask_mov_epi16(taps.upper.low, low, upper.low);
+    taps.upper.high = _mm512_mask_mov_epi16(taps.upper.high, high, upper.high);
+    taps.lower.low = _mm512_mask_mov_epi16(taps.lower.low, low, lower.low);
+    taps.lower.high = _mm512_mask_mov_epi16(taps.lower.high, high, lower.high);
+  }
+  HWY_ATTR HWY_INLINE Wide across(const std::uint8_t* from, Wide columns) const {
+    const __m512i first = _mm512_loadu_si512(from);
+    const __m512i second =
+        reach_ == 80 ? _mm512_castsi128_si512(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from + 64)))
+                     : _mm512_loadu_si512(from + 64);
+    return {_mm512_permutex2var_epi8(first, columns.low, second),
+            _mm512_permutex2var_epi8(first, columns.high, second)};
+  }
+
+  // Taps beyond the picture are moved onto its edge.
+  HWY_ATTR HWY_NOINLINE Taps at_edge(int left, int top, int bottom, Wide columns, FixedPx y) const {
+    const int least = std::clamp(-left, 0, 127), most = std::clamp(f_.width - 1 - left, 0, 127);
+    columns = clamped(columns, 0, least, most);
+    const __mmask64 low = in_picture(left), high = in_picture(left + 64);
+    const auto row_at = [&](int r) HWY_ATTR {
+      const std::uint8_t* from = f_.pixels + std::clamp(r, 0, f_.height - 1) * f_.stride + left;
+      const __m512i first = _mm512_maskz_loadu_epi8(low, from);
+      const __m512i second = _mm512_maskz_loadu_epi8(high, from + 64);
+      return Wide{_mm512_permutex2var_epi8(first, columns.low, second),
+                  _mm512_permutex2var_epi8(first, columns.high, second)};
+    };
+    Taps taps{row_at(top), row_at(top + 1)};
+    Wide row = taps.lower;
+    const Wide rows = rows_.at(y, 1);
+    const int base = whole(y) + f_.least_row;
+    for (int r = top + 1; r <= bottom; ++r) {
+      const Wide next = row_at(r + 1);
+      choose(rows, r - base, row, next, taps);
+      row = next;
+    }
+    return taps;
+  }
   HWY_ATTR HWY_INLINE __mmask64 in_picture(int left) const {
     const int skip = std::clamp(-left, 0, 64), take = std::clamp(f_.width - left, 0, 64);
     if (take <= skip) return 0;
     return (~LaneMask{0} >> (64 - (take - skip))) << skip;
   }
+
+  const PatchFrame& f_;
+  int reach_;  // columns loaded
+  Whole columns_, rows_;
 };
 
-class WindowTaps : TapsBase {
+// Lanes within 16 x 16 pixels, which stay in four registers while the layers move within them.
+class WindowTaps {
  public:
   HWY_ATTR WindowTaps(const PatchFrame& f, bool forward_x, bool forward_y)
-      : TapsBase(f), forward_x_(forward_x), forward_y_(forward_y) {
+      : f_(f),
+        columns_(indices(f), f.part_x.data()),
+        rows_(row_pairs(f), f.part_y.data()),
+        forward_x_(forward_x),
+        forward_y_(forward_y) {
     for (__m512i& w : window_) w = _mm512_setzero_si512();
   }
 
   HWY_ATTR HWY_INLINE Taps at(FixedPx x, FixedPx y) {
     const int left = whole(x) + f_.least_column, top = whole(y) + f_.least_row;
-    const int room_x = 13 - f_.columns, room_y = 13 - f_.rows;
-    if (left < left_ || left > left_ + room_x || top < top_ || top > top_ + room_y)
-      move(left, top, room_x, room_y);
-    const TapPair columns(column(x, left - left_), 0, 15);
-    const TapPair rows(row(y, top - top_), 0, 15);
-    const __m512i upper = _mm512_slli_epi16(rows.first, 4), lower = _mm512_slli_epi16(rows.second, 4);
-    return {pixel(upper, columns.first), pixel(upper, columns.second), pixel(lower, columns.first),
-            pixel(lower, columns.second)};
+    if (!holds(left, top)) {
+      move(left, top);
+      if (!holds(left, top)) return at_edge(x, y, left - left_, top - top_);
+    }
+    const __m512i shift = _mm512_set1_epi8(static_cast<char>(left - left_ + 16 * (top - top_)));
+    const Wide upper = rows_.add_carries(columns_.at(x, 0x101), y, 0x1010);
+    const Wide at{_mm512_add_epi8(upper.low, shift), _mm512_add_epi8(upper.high, shift)};
+    const __m512i row = _mm512_set1_epi8(16);
+    return {{pixels(at.low), pixels(at.high)},
+            {pixels(_mm512_add_epi8(at.low, row)), pixels(_mm512_add_epi8(at.high, row))}};
   }
 
  private:
-  HWY_ATTR HWY_INLINE __m512i pixel(__m512i row, __m512i column) const {
-    const __m512i index = _mm512_or_si512(row, column);
+  HWY_ATTR static HWY_INLINE Wide indices(const PatchFrame& f) {
+    const Wide columns = column_pairs(f), rows = row_pairs(f);
+    return {_mm512_add_epi16(columns.low, _mm512_slli_epi16(rows.low, 4)),
+            _mm512_add_epi16(columns.high, _mm512_slli_epi16(rows.high, 4))};
+  }
+  // All taps, with a carry and one more.
+  HWY_ATTR HWY_INLINE bool holds(int left, int top) const {
+    return static_cast<unsigned>(left - left_) <= static_cast<unsigned>(13 - f_.columns) &&
+           static_cast<unsigned>(top - top_) <= static_cast<unsigned>(13 - f_.rows);
+  }
+  HWY_ATTR HWY_INLINE __m512i pixels(__m512i index) const {
     const __m512i upper = _mm512_permutex2var_epi8(window_[0], index, window_[1]);
     const __m512i lower = _mm512_permutex2var_epi8(window_[2], index, window_[3]);
     return _mm512_mask_mov_epi8(upper, _mm512_movepi8_mask(index), lower);
   }
-  HWY_ATTR HWY_INLINE void move(int left, int top, int room_x, int room_y) {
-    const int x = std::clamp(forward_x_ ? left : left - room_x, 0, f_.width - 16);
-    const int y = std::clamp(forward_y_ ? top : top - room_y, 0, f_.height - 16);
+  HWY_ATTR HWY_NOINLINE Taps at_edge(FixedPx x, FixedPx y, int shift_x, int shift_y) const {
+    const Whole column(column_pairs(f_), f_.part_x.data());
+    const Wide columns = clamped(column.at(x, 0x101), shift_x, 0, 15);
+    const Wide row = rows_.at(y, 0x101);
+    const auto pixels_of = [&](Wide rows) HWY_ATTR {
+      return Wide{pixels(_mm512_or_si512(_mm512_slli_epi16(rows.low, 4), columns.low)),
+                  pixels(_mm512_or_si512(_mm512_slli_epi16(rows.high, 4), columns.high))};
+    };
+    return {pixels_of(clamped(row, shift_y, 0, 15)), pixels_of(clamped(row, shift_y + 1, 0, 15))};
+  }
+  HWY_ATTR HWY_INLINE void move(int left, int top) {
+    const int x = std::clamp(forward_x_ ? left : left - (13 - f_.columns), 0, f_.width - 16);
+    const int y = std::clamp(forward_y_ ? top : top - (13 - f_.rows), 0, f_.height - 16);
     if (x == left_ && y == top_) return;
     left_ = x;
     top_ = y;
     load_rows(f_.pixels + top_ * f_.stride + left_, f_.stride, 4, window_);
   }
 
+  const PatchFrame& f_;
+  Whole columns_;  // in the lower four bits; rows in the upper
+  Whole rows_;
   __m512i window_[4];
   int left_ = 1 << 24, top_ = 1 << 24;  // of the window; far from any picture at first
   bool forward_x_, forward_y_;          // the way the layers move
 };
 
-// 64 numbers of 16 bits in the order bytes have after widening by unpacking: halves of each 16 lanes.
-struct Wide {
-  __m512i low, high;
-};
-HWY_ATTR HWY_INLINE Wide widened_to_high_bytes(__m512i bytes) {  // times 256
-  const __m512i zero = _mm512_setzero_si512();
-  return {_mm512_unpacklo_epi8(zero, bytes), _mm512_unpackhi_epi8(zero, bytes)};
-}
-// 64 words in lane order to that order.
-HWY_ATTR inline Wide words_unpacked(const std::uint16_t* words) {
-  alignas(64) std::uint16_t low[32], high[32];
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 8; ++j) {
-      low[8 * i + j] = words[16 * i + j];
-      high[8 * i + j] = words[16 * i + 8 + j];
-    }
-  }
-  return {_mm512_load_si512(low), _mm512_load_si512(high)};
+// a wa + b wb, weights in 1/32768.
+HWY_ATTR HWY_INLINE __m512i weighted(__m512i a, __m512i wa, __m512i b, __m512i wb) {
+  return _mm512_add_epi16(_mm512_mulhrs_epi16(a, wa), _mm512_mulhrs_epi16(b, wb));
 }
 
-HWY_ATTR HWY_INLINE __m512i lerp_words(__m512i a, __m512i b, __m512i t) {
-  const __m512i rest = _mm512_xor_si512(t, _mm512_set1_epi16(-1));
-  return _mm512_add_epi16(_mm512_mulhi_epu16(a, rest), _mm512_mulhi_epu16(b, t));
-}
-
-// A frame's bilinear values in 1/256 level.
+// A frame's bilinear values in 1/255 level from the middle, as `bilinear` has them.
 template <class FetchTaps>
 class Bilinear {
  public:
-  HWY_ATTR Bilinear(const LinearSide& side, int layers)
-      : taps_(*side.frame, layers < 2 || side.x[1] >= side.x[0], layers < 2 || side.y[1] >= side.y[0]),
-        part_x_(words_unpacked(side.frame->part_x.data())),
-        part_y_(words_unpacked(side.frame->part_y.data())) {}
+  HWY_ATTR Bilinear(const PatchFrame& f, bool forward_x, bool forward_y)
+      : taps_(f, forward_x, forward_y), part_x_(f.part_x.data()), part_y_(f.part_y.data()) {}
 
   HWY_ATTR HWY_INLINE Wide at(FixedPx x, FixedPx y) {
     const Taps t = taps_.at(x, y);
-    const Wide ul = widened_to_high_bytes(t.upper_left), ur = widened_to_high_bytes(t.upper_right);
-    const Wide ll = widened_to_high_bytes(t.lower_left), lr = widened_to_high_bytes(t.lower_right);
     const __m512i add_x = _mm512_set1_epi16(static_cast<short>(x >> 16));
     const __m512i add_y = _mm512_set1_epi16(static_cast<short>(y >> 16));
-    const auto half = [&](__m512i a, __m512i b, __m512i c, __m512i d, __m512i px, __m512i py) HWY_ATTR {
-      const __m512i tx = _mm512_add_epi16(px, add_x), ty = _mm512_add_epi16(py, add_y);
-      return lerp_words(lerp_words(a, b, tx), lerp_words(c, d, tx), ty);
+    const auto half = [&](__m512i upper, __m512i lower, int first) HWY_ATTR {
+      // Of words, the upper byte is the right tap's weight and the lower one the left's: 255 less it.
+      const __m512i right = _mm512_add_epi16(_mm512_load_si512(part_x_ + first), add_x);
+      const __m512i across = _mm512_ternarylogic_epi32(right, _mm512_srli_epi16(right, 8),
+                                                       _mm512_set1_epi16(static_cast<short>(0xff00)), 0xb1);
+      const __m512i down = _mm512_srli_epi16(_mm512_add_epi16(_mm512_load_si512(part_y_ + first), add_y), 1);
+      const __m512i up = _mm512_xor_si512(down, _mm512_set1_epi16(0x7fff));
+      const __m512i middle = _mm512_set1_epi8(static_cast<char>(0x80));
+      return weighted(_mm512_maddubs_epi16(across, _mm512_xor_si512(upper, middle)), up,
+                      _mm512_maddubs_epi16(across, _mm512_xor_si512(lower, middle)), down);
     };
-    return {half(ul.low, ur.low, ll.low, lr.low, part_x_.low, part_y_.low),
-            half(ul.high, ur.high, ll.high, lr.high, part_x_.high, part_y_.high)};
+    return {half(t.upper.low, t.lower.low, 0), half(t.upper.high, t.lower.high, 32)};
   }
 
  private:
   FetchTaps taps_;
-  Wide part_x_, part_y_;
+  const std::uint16_t *part_x_, *part_y_;
 };
 
-// Weights of the second frame, |za| / (|za| + |zb|) in 1/65536, in the order of Wide.
-class DistanceShare {
- public:
-  HWY_ATTR DistanceShare(const LaneGrid& grid, const LinearSide& a, const LinearSide& b) {
-    alignas(64) float za[patch_lanes], zb[patch_lanes];
-    for (int q = 0; q < 4; ++q) {
-      for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) {
-          const int k = 16 * i + 4 * q + j, to = 16 * q + 4 * i + j;
-          za[to] = a.z_per_sample * grid.a[k] + a.z_per_row * grid.b[k];
-          zb[to] = b.z_per_sample * grid.a[k] + b.z_per_row * grid.b[k];
-        }
-      }
-    }
-    for (int q = 0; q < 4; ++q) {
-      za_[q] = _mm512_load_ps(za + 16 * q);
-      zb_[q] = _mm512_load_ps(zb + 16 * q);
-    }
+// The second frame's shares z / gap of blend_full, in lane order; lanes as ChainShare has them.
+HWY_ATTR HWY_INLINE Wide shares(float z, const float* z_lanes, float gap, const float* gap_lanes) {
+  const __m512 from = _mm512_set1_ps(z), wide = _mm512_set1_ps(gap);
+  __m512i share[4];
+  for (int q = 0; q < 4; ++q) {
+    const __m512 at = _mm512_add_ps(from, _mm512_load_ps(z_lanes + 16 * q));
+    const __m512 across = _mm512_add_ps(wide, _mm512_load_ps(gap_lanes + 16 * q));
+    // One Newton step makes the 14 bits of the estimate a float's.
+    const __m512 guess = _mm512_rcp14_ps(across);
+    const __m512 inverse = _mm512_mul_ps(guess, _mm512_fnmadd_ps(across, guess, _mm512_set1_ps(2.0F)));
+    const __m512 part = _mm512_mul_ps(_mm512_mul_ps(at, _mm512_set1_ps(blend_full)), inverse);
+    // 0 where there is no gap.
+    share[q] = _mm512_cvtps_epi32(
+        _mm512_min_ps(_mm512_max_ps(part, _mm512_setzero_ps()), _mm512_set1_ps(blend_full)));
   }
-  HWY_ATTR HWY_INLINE Wide at(float za, float zb) const {
-    const __m512 a = _mm512_set1_ps(za), b = _mm512_set1_ps(zb);
-    __m512i share[4];
-    for (int q = 0; q < 4; ++q) {
-      const __m512 at_a = _mm512_add_ps(a, za_[q]), at_b = _mm512_add_ps(b, zb_[q]);
-      const __m512 sum = _mm512_sub_ps(at_a, at_b);
-      // One Newton step makes the 14 bits of the estimate a float's.
-      const __m512 guess = _mm512_rcp14_ps(sum);
-      const __m512 inverse =
-          _mm512_mul_ps(guess, _mm512_sub_ps(_mm512_set1_ps(2.0F), _mm512_mul_ps(sum, guess)));
-      const __m512 scaled = _mm512_mul_ps(_mm512_mul_ps(at_a, inverse), _mm512_set1_ps(65536.0F));
-      share[q] = _mm512_cvtps_epi32(
-          _mm512_min_ps(_mm512_max_ps(scaled, _mm512_setzero_ps()), _mm512_set1_ps(65535.0F)));
-    }
-    return {_mm512_packus_epi32(share[0], share[1]), _mm512_packus_epi32(share[2], share[3])};
-  }
+  return {_mm512_packs_epi32(share[0], share[1]), _mm512_packs_epi32(share[2], share[3])};
+}
 
- private:
-  __m512 za_[4], zb_[4];
-};
+// Values of two frames to levels, as `blended`.
+HWY_ATTR HWY_INLINE Wide blended_words(Wide a, Wide b, Wide share) {
+  const __m512i full = _mm512_set1_epi16(blend_full), offset = _mm512_set1_epi16(blend_offset);
+  const auto half = [&](__m512i from_a, __m512i from_b, __m512i of_b) HWY_ATTR {
+    const __m512i sum = weighted(from_a, _mm512_sub_epi16(full, of_b), from_b, of_b);
+    return _mm512_srli_epi16(_mm512_add_epi16(sum, offset), 7);
+  };
+  return {half(a.low, b.low, share.low), half(a.high, b.high, share.high)};
+}
+HWY_ATTR HWY_INLINE Wide levels_of(Wide a) {
+  const __m512i full = _mm512_set1_epi16(blend_full), offset = _mm512_set1_epi16(blend_offset);
+  return {_mm512_srli_epi16(_mm512_add_epi16(_mm512_mulhrs_epi16(a.low, full), offset), 7),
+          _mm512_srli_epi16(_mm512_add_epi16(_mm512_mulhrs_epi16(a.high, full), offset), 7)};
+}
+
+// At arrays of positions.
+template <class FetchTaps>
+HWY_ATTR Bilinear<FetchTaps> bilinear_of(const LinearSide& side, int layers) {
+  return {*side.frame, layers < 2 || side.x[1] >= side.x[0], layers < 2 || side.y[1] >= side.y[0]};
+}
 
 template <Rule rule, class FetchA, class FetchB>
 HWY_ATTR void blend_permuted(const LaneGrid& grid, const LinearSide& a, const LinearSide& b,
                              const LaneMask* masks, int layers, PatchSums& sums) {
-  Bilinear<FetchA> of_a(a, layers);
-  Bilinear<FetchB> of_b(b, layers);
-  const DistanceShare share(grid, a, b);
-  const __m512i rounding = _mm512_set1_epi16(static_cast<short>(blend_rounding));
-  const __m512i one = _mm512_set1_epi8(1);
-  __m512i count = _mm512_load_si512(sums.count.data());
-  __m512i best = _mm512_load_si512(sums.extreme.data());
-  WideSum sum(sums.sum.data());
+  Bilinear<FetchA> of_a = bilinear_of<FetchA>(a, layers);
+  Bilinear<FetchB> of_b = bilinear_of<FetchB>(b, layers);
+  alignas(64) float z[patch_lanes], gap[patch_lanes];
+  for (int k = 0; k < patch_lanes; ++k) {
+    z[share_place(k)] = a.z_per_sample * grid.a[k] + a.z_per_row * grid.b[k];
+    gap[share_place(k)] = z[share_place(k)] - (b.z_per_sample * grid.a[k] + b.z_per_row * grid.b[k]);
+  }
+  Gathered<rule> gathered(sums);
   for (int l = 0; l < layers; ++l) {
-    const __mmask64 m = masks[l];
-    if (m == 0) continue;
-    const Wide va = of_a.at(a.x[l], a.y[l]), vb = of_b.at(b.x[l], b.y[l]), w = share.at(a.z[l], b.z[l]);
-    const auto rounded = [&](__m512i from_a, __m512i from_b, __m512i t) HWY_ATTR {
-      return _mm512_srli_epi16(_mm512_adds_epu16(lerp_words(from_a, from_b, t), rounding), 8);
-    };
-    const __m512i v = _mm512_packus_epi16(rounded(va.low, vb.low, w.low), rounded(va.high, vb.high, w.high));
-    count = _mm512_mask_add_epi8(count, m, count, one);
-    if constexpr (rule == Rule::maximum) {
-      best = _mm512_mask_max_epu8(best, m, best, v);
-    } else if constexpr (rule == Rule::minimum) {
-      best = _mm512_mask_min_epu8(best, m, best, v);
-    } else {
-      sum.add_unsigned(_mm512_maskz_mov_epi8(m, v));
-    }
+    if (masks[l] == 0) continue;
+    const Wide va = of_a.at(a.x[l], a.y[l]), vb = of_b.at(b.x[l], b.y[l]);
+    const Wide v = blended_words(va, vb, shares(a.z[l], z, a.z[l] - b.z[l], gap));
+    gathered.add_words(masks[l], v.low, v.high);
   }
-  _mm512_store_si512(sums.count.data(), count);
-  if constexpr (rule == Rule::mean_grey) {
-    sum.store(sums.sum.data());
-  } else {
-    _mm512_store_si512(sums.extreme.data(), best);
-  }
+  gathered.store();
 }
 
 template <Rule rule>
@@ -285,17 +344,22 @@ HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSi
   }
 }
 
+// Lanes all of whose taps are not 0.
+HWY_ATTR HWY_INLINE LaneMask all_set(const Taps& t) {
+  const auto half = [](__m512i upper, __m512i lower) HWY_ATTR {
+    const __m512i least = _mm512_min_epu8(upper, lower);
+    const __m512i pair = _mm512_min_epu8(least, _mm512_srli_epi16(least, 8));
+    return static_cast<LaneMask>(_mm512_test_epi16_mask(pair, _mm512_set1_epi16(0xff)));
+  };
+  return half(t.upper.low, t.lower.low) | half(t.upper.high, t.lower.high) << 32;
+}
+
 template <class FetchTaps>
 HWY_ATTR void taps_inside_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers,
                                    LaneMask* masks) {
   FetchTaps fetch(f, layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
   for (int l = 0; l < layers; ++l) {
-    if (masks[l] == 0) continue;
-    const Taps t = fetch.at(x[l], y[l]);
-    masks[l] &= _mm512_test_epi8_mask(t.upper_left, t.upper_left) &
-                _mm512_test_epi8_mask(t.upper_right, t.upper_right) &
-                _mm512_test_epi8_mask(t.lower_left, t.lower_left) &
-                _mm512_test_epi8_mask(t.lower_right, t.lower_right);
+    if (masks[l] != 0) masks[l] &= all_set(fetch.at(x[l], y[l]));
   }
 }
 

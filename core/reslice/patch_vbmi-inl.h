@@ -309,6 +309,19 @@ class Gathered {
     }
   }
 
+  // Of words, lanes in order.
+  HWY_ATTR HWY_INLINE void add_words(__mmask64 m, __m512i low, __m512i high) {
+    if constexpr (rule == Rule::mean_grey) {
+      count_ = _mm512_mask_add_epi8(count_, m, count_, _mm512_set1_epi8(1));
+      sum_.low = _mm512_mask_add_epi16(sum_.low, static_cast<__mmask32>(m), sum_.low, low);
+      sum_.high = _mm512_mask_add_epi16(sum_.high, static_cast<__mmask32>(m >> 32), sum_.high, high);
+    } else {
+      // Packing mixes the words' quarters.
+      const __m512i order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+      add(m, _mm512_permutexvar_epi64(order, _mm512_packus_epi16(low, high)));
+    }
+  }
+
   HWY_ATTR HWY_INLINE void store() const {
     _mm512_store_si512(sums_->count.data(), count_);
     if constexpr (rule == Rule::maximum || rule == Rule::minimum) {

@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -146,12 +145,6 @@ void add_first_picture(const Shared& bench, std::vector<Case>& cases) {
   cases.push_back(c);
 }
 
-double milliseconds(const std::function<void()>& body) {
-  const auto start = std::chrono::steady_clock::now();
-  body();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 // The slowest of 200 planes at any angle, each taken as the best of three.
 void add_random_planes(const Shared& bench, std::vector<Case>& cases) {
   for (const Interpolation how : {Interpolation::nearest, Interpolation::linear}) {
@@ -165,7 +158,7 @@ void add_random_planes(const Shared& bench, std::vector<Case>& cases) {
         double best = 1e9;
         for (int repeat = 0; repeat < 3; ++repeat) {
           best = std::min(
-              best, milliseconds([&] {
+              best, milliseconds(bench->options.clock, bench->options.threads, [&] {
                 benchmark::DoNotOptimize(render_planar(
                     bench->prepared, plane, settings_of(how, Compounding::maximum, 14), bench->workers));
               }));

@@ -10,6 +10,7 @@ namespace sonoband::bench {
 struct TableOptions {
   int threads = 2;
   bool peers = false;
+  Clock clock = Clock::wall;
 };
 
 // Sweeps and voxel arrays are made when a case first needs them and dropped when the next kind of sweep

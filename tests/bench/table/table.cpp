@@ -2,7 +2,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -35,7 +38,7 @@ std::string machine() {
   return processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores";
 }
 
-double time_ms(const std::string& name, const std::function<void()>& body) {
+double wall_ms(const std::string& name, const std::function<void()>& body) {
   benchmark::ClearRegisteredBenchmarks();
   benchmark::RegisterBenchmark(name.c_str(),
                                [&](benchmark::State& state) {
@@ -51,10 +54,33 @@ double time_ms(const std::string& name, const std::function<void()>& body) {
   return medians.ms.at(name);
 }
 
+double processor_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
 }  // namespace
 
+double milliseconds(Clock clock, int threads, const std::function<void()>& body) {
+  if (clock == Clock::processor) {
+    const double start = processor_ms();
+    body();
+    return (processor_ms() - start) / threads;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  body();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 int measure(const std::vector<Case>& cases, const std::string& filter, const std::string& peer_name,
-            const std::string& json_file) {
+            const std::string& json_file, Clock clock, int threads) {
+  const auto time_ms = [&](const std::string& name, const std::function<void()>& body) {
+    if (clock == Clock::wall) return wall_ms(name, body);
+    double best = milliseconds(clock, threads, body);
+    for (int repeat = 1; repeat < 12; ++repeat) best = std::min(best, milliseconds(clock, threads, body));
+    return best;
+  };
   nlohmann::json rows = nlohmann::json::array();
   std::printf("%s\npeer: %s\n\n%-52s %9s %9s %9s %8s\n", machine().c_str(), peer_name.c_str(), "case",
               "ours ms", "must ms", "peer ms", "ratio");
