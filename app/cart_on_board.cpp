@@ -85,6 +85,9 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
   settings.ring.height = plan.height;
   settings.ring.slots = static_cast<std::uint32_t>(profile.ring.frames);
 
+  const bool real_devices = !board.foot;
+  settings.priority = real_devices ? 40 : 0;
+
   cart::AcquisitionSettings& acquisition = settings.cart.acquisition;
   acquisition.source_width = board.width_px;
   acquisition.source_height = board.height_px;

@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include "app/bad_input.h"
@@ -14,6 +15,7 @@
 #include "app/exchange/sequence_file.h"
 #include "app/screen/run.h"
 #include "app/script/examination.h"
+#include "app/service_watch.h"
 #include "app/workers.h"
 #include "board/check.h"
 #include "hal/sim/virtual_clock.h"
@@ -191,6 +193,9 @@ int run(const Options& options) {
   if (!cart->memory_warning().empty()) std::fprintf(stderr, "sonoband: %s\n", cart->memory_warning().c_str());
   const ClockMember member(*clock);
   cart->start();
+  if (!cart->priority_warning().empty())
+    std::fprintf(stderr, "sonoband: %s\n", cart->priority_warning().c_str());
+  std::optional<ServiceWatch> watch(std::in_place, [&cart] { return cart->beats(); });
   if (window) {
     run_window(*cart, board.foot, screen);
   } else if (script::needs_screen(steps)) {
@@ -199,6 +204,7 @@ int run(const Options& options) {
   } else {
     examine(options, steps, script_name, board, *cart);
   }
+  watch.reset();  // saving the last sweep may take longer than the manager's patience
   cart->stop();
   say_what_is_saved(*cart);
   return 0;

@@ -17,7 +17,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   ${CMAKE_SOURCE_DIR}/board/debian/postinst ${CMAKE_SOURCE_DIR}/board/debian/prerm ${CMAKE_SOURCE_DIR}/board/debian/postrm)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, fonts-inter, fonts-font-awesome, fxload")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, systemd-timesyncd, fonts-inter, fonts-font-awesome, fxload")
 if(CMAKE_CROSSCOMPILING)
   # dpkg-shlibdeps would have to know the target's packages: tools/package fills the libraries in.
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "app/cart/thread_priority.h"
+
 namespace sonoband::cart {
 namespace {
 
@@ -41,6 +43,8 @@ const std::string& Appliance::memory_warning() const {
 void Appliance::start() {
   assert(!started_);
   started_ = true;
+  const BeforeOthers before(settings_.priority);
+  priority_warning_ = before.warning();
   // The readers of poses and presses first, so that the first pictures find them there.
   tracker_thread_ = ClockThread(clock(), [this] { read_tracker(); });
   pedal_thread_ = ClockThread(clock(), [this] { read_pedal(); });
@@ -110,6 +114,7 @@ void Appliance::capture() {
     cart_.tick(now);
     hand_over();
     publish_status(now);
+    beats_.fetch_add(1, std::memory_order_relaxed);
   }
   const Stamp now = clock().now();
   take_news(now);

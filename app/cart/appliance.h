@@ -44,6 +44,7 @@ struct ApplianceSettings {
   RingSettings ring;
   CartSettings cart;
   bool lock_memory = true;  // a warning, no error, where the system's limit forbids it
+  int priority = 0;         // real-time, of the three threads (see BeforeOthers); likewise a warning
   // The longest sleep of each thread, so also how late a command or a stop is heard. The capture thread's
   // adds to the age of a frame that waits for its pose. Usual: 5 ms and 20 ms.
   Duration capture_wait = std::chrono::milliseconds(5);
@@ -101,6 +102,11 @@ class Appliance {
   Clock& clock() { return *devices_.clock; }
   const FrameRing& ring() const { return ring_; }
   const std::string& memory_warning() const;  // empty: locked, or not asked for
+  // After start. Empty: the threads have it, or it was not asked for.
+  const std::string& priority_warning() const { return priority_warning_; }
+  // Any thread. Rounds of the capture thread so far: while acquisition lives it grows at least once every
+  // `capture_wait`.
+  std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
 
  private:
   struct PedalNews {
@@ -129,6 +135,8 @@ class Appliance {
   Latest<ApplianceStatus> statuses_;
   ApplianceStatus status_;  // the owner's
 
+  std::string priority_warning_;
+  std::atomic<std::uint64_t> beats_{0};
   std::atomic<bool> stop_devices_{false};
   std::atomic<bool> stop_capture_{false};
   std::atomic<bool> tracker_ended_{false};
