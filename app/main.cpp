@@ -11,22 +11,18 @@
 
 #include "app/bad_input.h"
 #include "app/cart_on_board.h"
-#include "app/exchange/recording.h"
-#include "app/exchange/sequence_file.h"
+#include "app/chosen_board.h"
 #include "app/screen/run.h"
 #include "app/script/examination.h"
 #include "app/service_watch.h"
 #include "app/workers.h"
-#include "board/check.h"
 #include "hal/sim/virtual_clock.h"
 
 namespace sonoband {
 namespace {
 
 struct Options {
-  std::string board = "sim";
-  std::string config;
-  std::string calibration;
+  BoardChoice board;
   std::string script;
   std::string out = "out";
   std::string shots;
@@ -42,57 +38,10 @@ struct Options {
   bool window() const { return !headless && script.empty() && std::getenv("DISPLAY") != nullptr; }
 };
 
-// Where the pixels of the cart's pictures lie, as a calibration wrote it.
-BoardCalibration calibration(const Options& options, const Profile& profile) {
-  if (options.calibration.empty())
-    throw BadInput(
-        "--board " + options.board +
-        ": a cart needs to know where its pixels lie; name the calibration (XML) in --calibration");
-  const exchange::PlusConfig config = exchange::read_plus_config(options.calibration);
-  const auto [width, height] = profile.capture.size_px;
-  return {.probe_from_image = exchange::probe_from_image(config, options.calibration),
-          .mask = exchange::sector_mask(width, height, config.clip, std::nullopt, config.fan,
-                                        options.calibration),
-          .latency_offset = {}};
-}
-
-// The profile a board comes with, and what the machine's own says otherwise.
-Profile make_profile(const Options& options) {
-  const std::string board = options.board.starts_with("replay:") ? "replay" : options.board;
-  const Profile defaults = board_profile(board).value_or(Profile{});
-  return options.config.empty() ? defaults : read_profile(options.config, defaults);
-}
-
 int check(const Options& options) {
-  const std::string board = options.board.starts_with("replay:") ? "replay" : options.board;
-  if (!board_profile(board))
-    throw BadInput("--board " + options.board +
-                   ": there are the boards sim, replay, cart, raspberrypi and virtual");
-  const std::vector<CheckLine> lines = check_board(board, make_profile(options));
+  const std::vector<CheckLine> lines = check_of(options.board);
   for (const CheckLine& line : lines) std::printf("%s\n", text_of(line).c_str());
   return all_found(lines) ? 0 : 1;
-}
-
-BoardDevices make_board(const Options& options, const Profile& profile, Clock& clock) {
-  if (options.board == "sim") return make_sim_board(profile, clock);
-  const std::string prefix = "replay:";
-  if (options.board == "virtual")
-    return make_hardware_board(options.board, scene_calibration(profile), profile, clock);
-  if (options.board != "replay" && board_profile(options.board))
-    return make_hardware_board(options.board, calibration(options, profile), profile, clock);
-  if (!options.board.starts_with(prefix)) {
-    throw BadInput(
-        "--board " + options.board +
-        ": there are the boards sim, replay:FILE, cart, raspberrypi and virtual; choose one of them");
-  }
-  const std::string file = options.board.substr(prefix.size());
-  const exchange::PlusConfig config =
-      options.calibration.empty() ? exchange::PlusConfig{} : exchange::read_plus_config(options.calibration);
-  exchange::ReplayMaterial material = exchange::replay_material(exchange::read_sequence(file), config, file);
-  for (const std::string& warning : material.warnings)
-    std::fprintf(stderr, "sonoband: %s\n", warning.c_str());
-  return make_replay_board(material.recording, material.probe_from_image, std::move(material.mask), profile,
-                           clock);
 }
 
 void print_losses(const nlohmann::ordered_json& ledger) {
@@ -166,7 +115,7 @@ ProbeOptions probe_of(const BoardDevices& board, const Profile& profile) {
 }
 
 int run(const Options& options) {
-  const Profile profile = make_profile(options);
+  const Profile profile = profile_of(options.board);
   ScreenOptions screen = screen_options(options, profile);
   const bool window = options.window();
   if (!window && !options.headless && options.script.empty())
@@ -177,13 +126,12 @@ int run(const Options& options) {
 
   std::shared_ptr<Clock> clock;
   // Real devices keep their own time.
-  const bool simulated = options.board == "sim" || options.board.starts_with("replay:");
-  if (window || options.real_time || !simulated) {
+  if (window || options.real_time || !options.board.simulated()) {
     clock = std::make_shared<SystemClock>();
   } else {
     clock = std::make_shared<sim::VirtualClock>();
   }
-  BoardDevices board = make_board(options, profile, *clock);
+  BoardDevices board = devices_of(options.board, profile, *clock);
   screen.probe = probe_of(board, profile);
   const auto cart = make_appliance(board, profile, clock, options.exams);
   if (cart->exams() != nullptr) {
@@ -217,13 +165,14 @@ int main(int argc, char** argv) {
   using namespace sonoband;
   Options options;
   CLI::App app{"Sonoband: freehand 3D ultrasound at the cart. Research use only."};
-  app.add_option("--board", options.board,
+  app.add_option("--board", options.board.board,
                  "sim, replay:FILE for a tracked sequence (.mha, .nrrd), cart, raspberrypi or virtual")
       ->capture_default_str();
   app.add_flag("--check", options.check,
                "say what is found of the board's devices, and how to cure what is not");
-  app.add_option("--config", options.config, "the machine's profile (TOML); board/README.md lists its keys");
-  app.add_option("--calibration", options.calibration, "PLUS configuration (XML) for a replay");
+  app.add_option("--config", options.board.config,
+                 "the machine's profile (TOML); board/README.md lists its keys");
+  app.add_option("--calibration", options.board.calibration, "PLUS configuration (XML) for a replay");
   app.add_option("--exams", options.exams, "folder in which every sweep is saved; an empty name saves none")
       ->capture_default_str();
   app.add_option("--size", options.size, "of the window, pixels")->capture_default_str();

@@ -1,0 +1,107 @@
+// The Review window: one B-scan, scrubbed by a slider and by flicks, with what lies in it.
+#include <cmath>
+
+#include "ui/interact/cross.h"
+#include "ui/panels/marks.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/point_marks.h"
+#include "ui/panels/windows.h"
+
+namespace sonoband::ui {
+namespace {
+
+// From the pixels of a B-scan to the screen and back.
+struct ImagePlace {
+  Rect r;
+  double scale = 1;  // screen pixels per picture pixel
+  Vec2 at(const Eigen::Vector2d& px) const {
+    return {r.x + static_cast<float>((px.x() + 0.5) * scale),
+            r.y + static_cast<float>((px.y() + 0.5) * scale)};
+  }
+  Eigen::Vector2d px(Vec2 p) const { return {(p.x - r.x) / scale - 0.5, (p.y - r.y) / scale - 0.5}; }
+};
+
+}  // namespace
+
+void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
+  const ReviewView& review = view.review;
+  const Texts& t = ui.texts;
+  const auto count_frames = static_cast<int>(review.frames.size());
+  const Line detail(t.bscan_of, {number(review.current + 1, 0), number(count_frames, 0)});
+  const PanelFrame frame =
+      panel(ui, "review/title", r, t.review, count_frames > 0 ? detail.view() : std::string_view(),
+            corner_icon(view, Window::review));
+  toggle_full(ui, view, Window::review, frame);
+  ui.pictures.show(Slot::bscan, review.bscan);
+  const float width = ui.draw.picture_width(Slot::bscan);
+  if (count_frames == 0 || width <= 0 || review.current >= count_frames) {
+    empty_note(ui, frame.inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
+    return;
+  }
+  Rect inside = frame.inside;
+  Rect foot = inside.cut_bottom(std::min(ui.metrics.target, inside.height * 0.3f));
+  const Rect play = foot.cut_left(ui.metrics.target);
+  ButtonLook look{review.playing ? Icon::pause : Icon::play, Role::quiet, false, true, false};
+  if (button(ui, "review/play", play, "", look)) ui.send(command::Play{!review.playing});
+  const Slide slide = slider(ui, "review/slider", foot, review.current, 0, std::max(1, count_frames - 1));
+  if (slide.changed) ui.send(command::ShowFrame{static_cast<std::int32_t>(std::lround(slide.value))});
+
+  ImagePlace place;
+  place.r = fit(inside, width, ui.draw.picture_height(Slot::bscan));
+  place.scale = place.r.width / width;
+  ui.draw.begin_clip(inside);
+  ui.draw.fill(place.r, colour::picture);
+  ui.draw.picture(Slot::bscan, place.r, review.look);
+  const TrackedFrame& f = *review.frames[review.current];
+  const double mm_per_px = f.world_from_image.linear.col(1).norm();
+  draw_depth_scale(ui, place.r, static_cast<float>(place.scale / mm_per_px));
+  draw_orientation_mark(ui, place.r);
+  if (const auto cross = crossing(f, review.plane)) {
+    ui.draw.line(place.at(cross->image_px[0]), place.at(cross->image_px[1]), colour::plane, ui.px(2));
+  }
+  for (const ContourView& c : review.contours) {
+    if (c.frame != review.current || c.points_px.empty()) continue;
+    Vec2 last = place.at(c.points_px.front());
+    for (std::size_t i = 1; i <= c.points_px.size(); ++i) {
+      if (i == c.points_px.size() && !c.finished) break;
+      const Vec2 at = place.at(c.points_px[i % c.points_px.size()]);
+      ui.draw.line(last, at, colour::contour, ui.px(2));
+      last = at;
+    }
+    if (c.finished && c.area_mm2 > 0) {
+      draw_badge(ui, place.at(c.points_px.front()) + Vec2{0, -ui.px(22)}, colour::contour,
+                 Line(t.square_millimetres, {number(c.area_mm2, 0)}));
+    }
+  }
+  const auto project = [&](const Eigen::Vector3d& w) { return place.at(on_image(f, w).px); };
+  draw_marks(ui, review, project, [&](const Eigen::Vector3d& w) { return on_image(f, w).off_mm; });
+  ui.draw.end_clip();
+
+  const std::uint64_t id = ui.widgets.add("review/picture", inside);
+  for (const Gesture& g : ui.gestures) {
+    if (g.target != id) continue;
+    use_point_tools(ui, review, g, from_image(f, place.px(g.start)), project);
+    if (review.tool == Tool::contour && review.calibrated) {
+      if (g.kind == Gesture::Kind::drag) {
+        const Eigen::Vector2d at = place.px(g.at);
+        if (g.phase == Gesture::Phase::begin) ui.send(command::BeginContour{place.px(g.start)});
+        if (g.phase != Gesture::Phase::end) ui.send(command::ExtendContour{at});
+        if (g.phase == Gesture::Phase::end) ui.send(command::EndContour{});
+      }
+      if (g.kind == Gesture::Kind::long_press) ui.send(command::RemoveContour{});
+      continue;
+    }
+    if (g.kind == Gesture::Kind::flick && std::abs(g.velocity.x) > std::abs(g.velocity.y)) {
+      ui.send(command::Fling{g.velocity.x / std::max(1.0f, inside.width) * count_frames * 0.5});
+    } else if (g.kind == Gesture::Kind::drag && g.phase != Gesture::Phase::end) {
+      // The whole width of the window is half of the sweep.
+      const double now = 0.5 * count_frames * (g.at.x - g.start.x) / std::max(1.0f, inside.width);
+      const double before =
+          0.5 * count_frames * (g.at.x - g.step.x - g.start.x) / std::max(1.0f, inside.width);
+      const auto by = static_cast<std::int32_t>(std::lround(now) - std::lround(before));
+      if (by != 0) ui.send(command::StepFrames{by});
+    }
+  }
+}
+
+}  // namespace sonoband::ui

@@ -1,0 +1,65 @@
+// The Outline window: the sweep in space, with what was set and drawn in it.
+#include "ui/interact/cross.h"
+#include "ui/panels/marks.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/point_marks.h"
+#include "ui/panels/windows.h"
+
+namespace sonoband::ui {
+
+void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
+  const ReviewView& review = view.review;
+  const Texts& t = ui.texts;
+  const bool any = !review.frames.empty();
+  const PanelFrame frame = panel(ui, "outline/title", r, t.outline, any ? t.tap_outline : std::string_view(),
+                                 corner_icon(view, Window::outline));
+  toggle_full(ui, view, Window::outline, frame);
+  if (!any) {
+    empty_note(ui, frame.inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
+    return;
+  }
+  SceneInput scene;
+  scene.frames = review.frames;
+  scene.frames_version = review.sweep_version;
+  scene.current = review.current;
+  scene.plane = review.plane;
+  scene.thickness_mm = review.settings.band.thickness_mm;
+  scene.band_on_plane = review.band.version != 0;
+  scene.band_plane = review.band_plane;
+  scene.band_version = review.band.version;
+  scene.curve_mm = review.curve.line;
+  scene.reach_mm = review.curve.reach_mm;
+  scene.orbit = review.orbit;
+  scene.look = review.look;
+  const Rect place = frame.inside;
+  ui.draw.texture(
+      ui.scene.render(scene, static_cast<int>(place.width), static_cast<int>(place.height), ui.px(1)), place);
+  const OutlineView eye = ui.scene.view(scene, place);
+  ui.draw.begin_clip(place);
+  for (const ContourView& c : review.contours) {
+    if (c.frame < 0 || c.frame >= static_cast<int>(review.frames.size())) continue;
+    const TrackedFrame& f = *review.frames[c.frame];
+    for (std::size_t i = 0; i + (c.finished ? 0 : 1) < c.points_px.size(); ++i) {
+      ui.draw.line(eye.at(from_image(f, c.points_px[i])),
+                   eye.at(from_image(f, c.points_px[(i + 1) % c.points_px.size()])), colour::contour,
+                   ui.px(1.5f));
+    }
+  }
+  draw_marks(
+      ui, review, [&](const Eigen::Vector3d& w) { return eye.at(w); },
+      [](const Eigen::Vector3d&) { return 0.0; });
+  draw_scale_bar(ui, place, eye.px_per_mm());
+  const Sides sides = sides_of(review);
+  const Eigen::Matrix3d& e = eye.eye_from_world();
+  draw_orientation_arms(ui, place, seen(sides.marked, e.row(0), e.row(1)),
+                        seen(sides.deep, e.row(0), e.row(1)));
+  ui.draw.end_clip();
+  orbit_by_gestures(ui, "outline/picture", place, review.orbit);
+  for (const Gesture& g : ui.gestures) {
+    if (g.target != id_of("outline/picture") || g.kind != Gesture::Kind::tap) continue;
+    if (const auto i = pick_outline(review.frames, eye, g.at, ui.metrics.target / 2))
+      ui.send(command::ShowFrame{*i});
+  }
+}
+
+}  // namespace sonoband::ui
