@@ -85,6 +85,9 @@ class Session {
   void add_measure_point(const Eigen::Vector3d& p);
   double value_of(const MeasureItem& m) const;
   void contour(const ui::Command& command);
+  void fill_curve(ui::ReviewView& review);
+  void fill_marks(ui::ReviewView& review);
+  void fill_exams(ui::ExamsView& exams);
 
   RenderWorker& worker_;
   std::vector<RunSweep> sweeps_;     // newest last
