@@ -18,14 +18,14 @@ struct BoardChoice {
   bool simulated() const { return board == "sim" || board.starts_with("replay:"); }
 };
 
-// The profile the board comes with, and what the machine's own says otherwise. Throws BadInput.
+// The profile the board comes with, and what the machine's own says otherwise. Throws ProfileError.
 Profile profile_of(const BoardChoice& choice);
 
 // The clock must outlive them. Throws BadInput for a board that is not there, a recording or a calibration
 // that cannot be used, and a board of real devices without a calibration.
 BoardDevices devices_of(const BoardChoice& choice, const Profile& profile, Clock& clock);
 
-// What is found of the board's devices on this machine. Throws BadInput.
+// What is found of the board's devices on this machine. Throws BadInput, ProfileError.
 std::vector<CheckLine> check_of(const BoardChoice& choice);
 
 }  // namespace sonoband

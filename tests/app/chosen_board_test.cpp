@@ -53,7 +53,7 @@ TEST(ChosenBoard, OnlySimAndReplayKeepTheTimeTheyAreGiven) {
 TEST(ChosenBoard, TheMachinesProfileIsReadOverTheBoards) {
   BoardChoice choice;
   choice.config = "/nowhere/profile.toml";
-  EXPECT_THROW(profile_of(choice), BadInput);
+  EXPECT_THROW(profile_of(choice), ProfileError);
   choice.config.clear();
   EXPECT_GT(profile_of(choice).capture.rate_hz, 0);
 }
