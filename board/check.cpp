@@ -10,7 +10,6 @@
 #include <filesystem>
 
 #include "board/devices.h"
-#include "hal/capture/v4l2_device.h"
 #include "hal/footswitch/gpio_contacts.h"
 #include "hal/footswitch/key_contacts.h"
 #include "hal/touch/evdev_port.h"
@@ -73,7 +72,8 @@ CheckLine check_tracker() {
 
 CheckLine check_video(const Profile& profile) {
   CheckLine line{CheckResult::missing, "video", "", ""};
-  V4l2Device device(profile.capture.device);
+  const auto opened = video_device(profile);
+  VideoDevice& device = *opened;
   const auto fail = [&](const std::string& what, const std::string& cure) {
     line.what = what;
     line.cure = cure;
@@ -87,10 +87,10 @@ CheckLine check_video(const Profile& profile) {
     case VideoStatus::busy:
       return fail("a grabber that another program holds", "close that program");
     default:
-      return fail("no grabber as " + profile.capture.device,
-                  "plug it in, or name its device file in capture.device");
+      return fail("no grabber as " + profile.capture.device + " for " + profile.capture.driver,
+                  "plug it in, or name its device file (for libcamera its camera) in capture.device");
   }
-  line.what = device.card() + " at " + device.opened_path();
+  line.what = device.name();
   const auto formats = device.formats();
   if (formats.empty())
     return fail(line.what + ", with no format known here", "use a grabber of YUYV or NV12");

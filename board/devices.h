@@ -9,6 +9,7 @@
 #include "board/profile.h"
 #include "core/geometry/plane.h"
 #include "core/image/image.h"
+#include "hal/capture/video_device.h"
 #include "hal/clock.h"
 #include "hal/devices.h"
 #include "hal/footswitch/contact_footswitch.h"
@@ -73,7 +74,8 @@ BoardDevices make_hardware_board(const std::string& name, const BoardCalibration
 // The calibration of the simulated scene: for the board `virtual`, whose hardware shows that scene.
 BoardCalibration scene_calibration(const Profile& profile);
 
-// Parts of the above, for the check and for tests.
+// Parts of the above, for the check and for tests. capture.driver and capture.device name the grabber.
+std::unique_ptr<VideoDevice> video_device(const Profile& profile);
 std::vector<PedalWiring> pedal_wiring(const Profile& profile);
 LinkConfig tracker_config(const Profile& profile);
 TouchMapping touch_mapping(const Profile& profile);

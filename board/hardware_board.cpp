@@ -1,4 +1,5 @@
 #include "board/devices.h"
+#include "hal/capture/camera_device.h"
 #include "hal/capture/v4l2_device.h"
 #include "hal/capture/video_source.h"
 #include "hal/footswitch/contact_footswitch.h"
@@ -21,7 +22,7 @@ Bias bias_of(const std::string& word) {
 // What the tracker and the frames borrow.
 struct HardwareParts {
   std::unique_ptr<UsbPort> port;
-  std::unique_ptr<V4l2Device> video;
+  std::unique_ptr<VideoDevice> video;
 };
 
 }  // namespace
@@ -37,6 +38,12 @@ std::vector<PedalWiring> pedal_wiring(const Profile& profile) {
   if (!profile.pedal.second_pin.empty())
     pedals.push_back({.closes = contact(profile.pedal.second_pin), .opens = {}});
   return pedals;
+}
+
+std::unique_ptr<VideoDevice> video_device(const Profile& profile) {
+  if (profile.capture.driver == "libcamera")
+    return std::make_unique<CameraDevice>(libcamera_calls(), profile.capture.device);
+  return std::make_unique<V4l2Device>(profile.capture.device);
 }
 
 LinkConfig tracker_config(const Profile& profile) {
@@ -61,7 +68,7 @@ BoardDevices make_hardware_board(const std::string& name, const BoardCalibration
                                  const Profile& profile, Clock& clock) {
   auto parts = std::make_shared<HardwareParts>();
   parts->port = std::make_unique<UsbPort>(libusb_calls());
-  parts->video = std::make_unique<V4l2Device>(profile.capture.device);
+  parts->video = video_device(profile);
 
   BoardDevices devices;
   devices.board = name;

@@ -109,6 +109,8 @@ std::vector<Key> all_keys() {
              [](P& p, const std::string& word) { p.capture.orientation = word; }),
       real("capture", "latency-ms", -1000, 1000,
            [](P& p) -> double& { return p.capture.latency_ms.emplace(); }),
+      choice("capture", "driver", {"v4l2", "libcamera"},
+             [](P& p, const std::string& word) { p.capture.driver = word; }),
       text("capture", "device", [](P& p) -> std::string& { return p.capture.device; }),
       {"capture", "size-px", "two whole numbers [width, height] from 16 to 8192",
        [](const toml::node& node, P& p) {

@@ -25,8 +25,10 @@ struct Profile {
     // Scanner and grabber against tracker, from temporal calibration: 50 to 300. Empty: what the board itself
     // knows (a simulation does), else 0.
     std::optional<double> latency_ms;
-    // Of the boards with a grabber. A device file (a link below /dev/v4l/by-id stays with its grabber), or
-    // "auto" for the first that streams pictures; and the size of the whole captured picture.
+    // Of the boards with a grabber. By Video4Linux a device file (a link below /dev/v4l/by-id stays with its
+    // grabber), by libcamera (sensors; it sees no HDMI bridge) its name for the camera; or "auto" for the
+    // first that streams pictures. And the size of the whole captured picture.
+    std::string driver = "v4l2";  // or libcamera
     std::string device = "auto";
     std::array<int, 2> size_px{1920, 1080};
   } capture;

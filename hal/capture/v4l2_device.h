@@ -17,6 +17,7 @@ class V4l2Device final : public VideoDevice {
   ~V4l2Device() override;
 
   VideoStatus open() override;
+  std::string name() const override { return fd_ < 0 ? "" : card_ + " at " + opened_; }
   std::vector<PixelFormat> formats() override;
   VideoStatus negotiate(VideoMode& mode, double rate_hz) override;
   VideoStatus start() override;
@@ -24,10 +25,6 @@ class V4l2Device final : public VideoDevice {
   VideoStatus give_back(int index) override;
   void stop() override;
   void close() override;
-
-  // Of the open device, for people.
-  const std::string& card() const { return card_; }
-  const std::string& opened_path() const { return opened_; }
 
  private:
   VideoStatus open_one(const std::string& path);

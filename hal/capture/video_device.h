@@ -1,5 +1,5 @@
-// The seam to Video4Linux: what a streaming source asks of the kernel. Behind it are the system calls
-// (v4l2_device.cpp) and, in tests, a device of made-up answers.
+// The seam to video devices: what a streaming source asks of them. Behind it are Video4Linux
+// (v4l2_device.cpp), libcamera (camera_device.cpp) and, in tests, a device of made-up answers.
 #pragma once
 
 #include <cstddef>
@@ -49,7 +49,8 @@ struct VideoBuffer {
 class VideoDevice {
  public:
   virtual ~VideoDevice() = default;
-  virtual VideoStatus open() = 0;  // absent and the like leave it closed
+  virtual VideoStatus open() = 0;        // absent and the like leave it closed
+  virtual std::string name() const = 0;  // of the open device and where it is, for people; else ""
   virtual std::vector<PixelFormat> formats() = 0;
   // Asks for it; `mode` becomes what the device agreed to, which may be something else.
   virtual VideoStatus negotiate(VideoMode& mode, double rate_hz) = 0;

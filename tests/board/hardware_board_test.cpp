@@ -39,6 +39,21 @@ TEST(HardwareBoard, WaitsForDevicesThatAreNotThere) {
   EXPECT_FALSE(board.foot) << "a real pedal is not pressed by a program";
 }
 
+TEST(HardwareBoard, ACameraThatIsNotThereIsWaitedForAndSaid) {
+  SystemClock clock;
+  Profile p = nothing_there();
+  p.capture.driver = "libcamera";
+  BoardDevices board = make_hardware_board("cart", {}, p, clock);
+  board.frames->start();
+  Frame frame;
+  EXPECT_EQ(board.frames->read(frame, std::chrono::milliseconds(5)), ReadStatus::nothing_yet);
+  EXPECT_EQ(board.frames->health().state, DeviceState::absent);
+  const auto lines = check_board("cart", p);
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const CheckLine& l) {
+    return l.device == "video" && l.what == "no grabber as /dev/no-such-grabber for libcamera";
+  }));
+}
+
 TEST(HardwareBoard, TheProfilesWordsReachTheDevices) {
   Profile p = *board_profile("raspberrypi");
   p.tracking.station = 3;

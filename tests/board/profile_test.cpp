@@ -67,6 +67,7 @@ seed = 7
 TEST(Profile, TakesTheKeysOfRealDevices) {
   const Profile p = parse_profile(R"(
 [capture]
+driver = "libcamera"
 device = "/dev/v4l/by-id/grabber"
 size-px = [1280, 720]
 [tracking]
@@ -93,6 +94,7 @@ calibration = [-1, 0, 1, 0, 1.5, -0.25]
   EXPECT_EQ(p.touch.device, "/dev/input/by-id/panel");
   EXPECT_EQ(p.touch.rotation_deg, 270);
   EXPECT_EQ(p.touch.calibration, (std::array<double, 6>{-1, 0, 1, 0, 1.5, -0.25}));
+  EXPECT_EQ(p.capture.driver, "libcamera");
   EXPECT_EQ(p.capture.device, "/dev/v4l/by-id/grabber");
   EXPECT_EQ(p.capture.size_px, (std::array<int, 2>{1280, 720}));
   EXPECT_EQ(p.tracking.station, 2);
@@ -135,6 +137,8 @@ TEST(Profile, RefusalsNameFileLineAndCure) {
             "cart.toml:2: ring.frames must be a whole number from 16 to 100000");
   EXPECT_EQ(refusal("[ring]\nframes = 30.5\n"),
             "cart.toml:2: ring.frames must be a whole number from 16 to 100000");
+  EXPECT_EQ(refusal("[capture]\ndriver = \"v4l\"\n"),
+            "cart.toml:2: capture.driver must be one of \"v4l2\" \"libcamera\"");
   EXPECT_EQ(refusal("[capture]\nrate-hz = nan\n"),
             "cart.toml:2: capture.rate-hz must be a number from 1 to 240");
   EXPECT_EQ(refusal("[capture]\ncrop-px = [1, 2, 3]\n"),

@@ -29,6 +29,7 @@ class FakeVideo final : public VideoDevice {
     ++opens;
     return opening;
   }
+  std::string name() const override { return "made up"; }
   std::vector<PixelFormat> formats() override { return offered; }
   VideoStatus negotiate(VideoMode& mode, double /*rate_hz*/) override {
     mode.width = actual_width;
