@@ -1,31 +1,22 @@
 #include "hal/capture/v4l2_device.h"
 
-#include <fcntl.h>
 #include <linux/videodev2.h>
 #include <poll.h>
-#include <sys/ioctl.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstring>
+
+#include "hal/capture/edid.h"
 
 namespace sonoband {
 namespace {
 
-int call(int fd, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ioctl(fd, request, argument);
-  } while (result == -1 && errno == EINTR);
-  return result;
-}
-
+// Of a negative errno.
 VideoStatus status_of(int error) {
-  switch (error) {
+  switch (-error) {
     case ENOENT:
     case ENODEV:
     case ENXIO:
@@ -78,10 +69,10 @@ VideoStatus V4l2Device::open() {
 }
 
 VideoStatus V4l2Device::open_one(const std::string& path) {
-  fd_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) return status_of(errno);
+  fd_ = kernel_.open(path);
+  if (fd_ < 0) return status_of(fd_);
   v4l2_capability about{};
-  const bool answers = call(fd_, VIDIOC_QUERYCAP, &about) == 0;
+  const bool answers = call(VIDIOC_QUERYCAP, &about) == 0;
   const std::uint32_t able =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
   if (!answers || (able & V4L2_CAP_VIDEO_CAPTURE) == 0 || (able & V4L2_CAP_STREAMING) == 0) {
@@ -93,17 +84,38 @@ VideoStatus V4l2Device::open_one(const std::string& path) {
                strnlen(reinterpret_cast<const char*>(about.card), 32));
   v4l2_event_subscription changes{};
   changes.type = V4L2_EVENT_SOURCE_CHANGE;
-  call(fd_, VIDIOC_SUBSCRIBE_EVENT, &changes);  // devices that cannot tell do not have to
+  call(VIDIOC_SUBSCRIBE_EVENT, &changes);  // devices that cannot tell do not have to
   return VideoStatus::ok;
+}
+
+// A bridge that has no EDID, as after each power-up, gets one of the size that is wanted: without it the
+// scanner sends nothing. One that somebody has written stays.
+void V4l2Device::give_edid(const VideoMode& mode, double rate_hz) {
+  std::array<std::uint8_t, 128> block{};
+  v4l2_edid present{};
+  present.blocks = 1;
+  present.edid = block.data();
+  const int result = call(VIDIOC_G_EDID, &present);
+  const bool has_none = result == -ENODATA || (result == 0 && present.blocks == 0);
+  if (!has_none) return;
+  block = edid(mode.width, mode.height, rate_hz);
+  if (block[1] == 0) return;
+  v4l2_edid ours{};
+  ours.blocks = 1;
+  ours.edid = block.data();
+  call(VIDIOC_S_EDID, &ours);
 }
 
 // An HDMI bridge says what its input is and has to be told to take it; other devices know nothing of timings.
 VideoStatus V4l2Device::take_timings() {
   v4l2_dv_timings timings{};
-  if (call(fd_, VIDIOC_QUERY_DV_TIMINGS, &timings) == 0)
-    return call(fd_, VIDIOC_S_DV_TIMINGS, &timings) == 0 ? VideoStatus::ok : status_of(errno);
-  if (errno == ENOTTY || errno == ENODATA || errno == EINVAL) return VideoStatus::ok;
-  return status_of(errno);
+  const int asked = call(VIDIOC_QUERY_DV_TIMINGS, &timings);
+  if (asked == -ENOTTY || asked == -ENODATA || asked == -EINVAL) return VideoStatus::ok;
+  if (asked < 0) return status_of(asked);
+  // Lines of one field each would be paired as whole pictures.
+  if (timings.bt.interlaced != V4L2_DV_PROGRESSIVE) return VideoStatus::out_of_range;
+  const int taken = call(VIDIOC_S_DV_TIMINGS, &timings);
+  return taken < 0 ? status_of(taken) : VideoStatus::ok;
 }
 
 std::vector<PixelFormat> V4l2Device::formats() {
@@ -111,13 +123,14 @@ std::vector<PixelFormat> V4l2Device::formats() {
   v4l2_fmtdesc entry{};
   entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   constexpr std::uint32_t enough = 64;
-  for (entry.index = 0; entry.index < enough && call(fd_, VIDIOC_ENUM_FMT, &entry) == 0; ++entry.index)
+  for (entry.index = 0; entry.index < enough && call(VIDIOC_ENUM_FMT, &entry) == 0; ++entry.index)
     for (const Code& c : codes)
       if (c.fourcc == entry.pixelformat) offered.push_back(c.format);
   return offered;
 }
 
 VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
+  give_edid(mode, rate_hz);
   if (const VideoStatus status = take_timings(); status != VideoStatus::ok) return status;
   v4l2_format wanted{};
   wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -127,7 +140,7 @@ VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
   for (const Code& c : codes)
     if (c.format == mode.format) wanted.fmt.pix.pixelformat = c.fourcc;
   const std::uint32_t asked = wanted.fmt.pix.pixelformat;
-  if (call(fd_, VIDIOC_S_FMT, &wanted) != 0) return status_of(errno);
+  if (const int result = call(VIDIOC_S_FMT, &wanted); result < 0) return status_of(result);
   const v4l2_pix_format& got = wanted.fmt.pix;
   if (got.pixelformat != asked || got.width > 16384 || got.height > 16384) return VideoStatus::out_of_range;
   mode.width = static_cast<int>(got.width);
@@ -138,7 +151,7 @@ VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
   v4l2_streamparm rate{};
   rate.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   rate.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(1000 * rate_hz))};
-  call(fd_, VIDIOC_S_PARM, &rate);  // many grabbers follow their input whatever is asked
+  call(VIDIOC_S_PARM, &rate);  // many grabbers follow their input whatever is asked
   return VideoStatus::ok;
 }
 
@@ -147,7 +160,7 @@ VideoStatus V4l2Device::start() {
   request.count = wanted_buffers;
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
-  if (call(fd_, VIDIOC_REQBUFS, &request) != 0) return status_of(errno);
+  if (const int result = call(VIDIOC_REQBUFS, &request); result < 0) return status_of(result);
   streaming_ = true;  // from here on stop() has something to undo
   buffers_ = static_cast<int>(std::min<std::uint32_t>(request.count, wanted_buffers));
   if (buffers_ < 2) return stop(), VideoStatus::failed;
@@ -156,42 +169,32 @@ VideoStatus V4l2Device::start() {
     b.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     b.memory = V4L2_MEMORY_MMAP;
     b.index = static_cast<std::uint32_t>(i);
-    const auto failed = [&] {
-      const VideoStatus why = status_of(errno);
-      stop();
-      return why;
-    };
-    if (call(fd_, VIDIOC_QUERYBUF, &b) != 0) return failed();
-    void* start = mmap(nullptr, b.length, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, b.m.offset);
-    if (start == MAP_FAILED) return failed();
+    int result = call(VIDIOC_QUERYBUF, &b);
+    if (result < 0) return stop(), status_of(result);
+    void* start = kernel_.map(fd_, b.length, b.m.offset);
+    if (start == nullptr) return stop(), VideoStatus::failed;
     mapped_[static_cast<std::size_t>(i)] = {start, b.length};
-    if (call(fd_, VIDIOC_QBUF, &b) != 0) return failed();
+    result = call(VIDIOC_QBUF, &b);
+    if (result < 0) return stop(), status_of(result);
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (call(fd_, VIDIOC_STREAMON, &type) != 0) {
-    const VideoStatus why = status_of(errno);
-    stop();
-    return why;
-  }
+  if (const int result = call(VIDIOC_STREAMON, &type); result < 0) return stop(), status_of(result);
   return VideoStatus::ok;
 }
 
 VideoStatus V4l2Device::take(VideoBuffer& out, Duration timeout) {
-  pollfd ready{fd_, POLLIN | POLLPRI, 0};
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-  const int n = poll(&ready, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 10'000)));
-  if (n == 0 || (n < 0 && errno == EINTR)) return VideoStatus::nothing_yet;
-  if (n < 0) return VideoStatus::failed;
-  if ((ready.revents & POLLPRI) != 0) {
+  const int ready = kernel_.wait(fd_, timeout);
+  if (ready < 0) return VideoStatus::failed;
+  if ((ready & POLLPRI) != 0) {
     v4l2_event event{};
-    if (call(fd_, VIDIOC_DQEVENT, &event) == 0 && event.type == V4L2_EVENT_SOURCE_CHANGE)
+    if (call(VIDIOC_DQEVENT, &event) == 0 && event.type == V4L2_EVENT_SOURCE_CHANGE)
       return VideoStatus::changed;
   }
-  if ((ready.revents & (POLLIN | POLLERR)) == 0) return VideoStatus::nothing_yet;
+  if ((ready & (POLLIN | POLLERR)) == 0) return VideoStatus::nothing_yet;
   v4l2_buffer b{};
   b.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   b.memory = V4L2_MEMORY_MMAP;
-  if (call(fd_, VIDIOC_DQBUF, &b) != 0) return status_of(errno);
+  if (const int result = call(VIDIOC_DQBUF, &b); result < 0) return status_of(result);
   if (b.index >= static_cast<std::uint32_t>(buffers_)) return VideoStatus::failed;
   const Mapping& m = mapped_[b.index];
   out.index = static_cast<int>(b.index);
@@ -208,28 +211,29 @@ VideoStatus V4l2Device::give_back(int index) {
   b.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   b.memory = V4L2_MEMORY_MMAP;
   b.index = static_cast<std::uint32_t>(index);
-  return call(fd_, VIDIOC_QBUF, &b) == 0 ? VideoStatus::ok : status_of(errno);
+  const int result = call(VIDIOC_QBUF, &b);
+  return result < 0 ? status_of(result) : VideoStatus::ok;
 }
 
 void V4l2Device::stop() {
   if (!streaming_) return;
   streaming_ = false;
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  call(fd_, VIDIOC_STREAMOFF, &type);
+  call(VIDIOC_STREAMOFF, &type);
   for (Mapping& m : mapped_) {
-    if (m.start != nullptr) munmap(m.start, m.bytes);
+    if (m.start != nullptr) kernel_.unmap(m.start, m.bytes);
     m = {};
   }
   buffers_ = 0;
   v4l2_requestbuffers none{};
   none.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   none.memory = V4L2_MEMORY_MMAP;
-  call(fd_, VIDIOC_REQBUFS, &none);
+  call(VIDIOC_REQBUFS, &none);
 }
 
 void V4l2Device::close() {
   stop();
-  if (fd_ >= 0) ::close(fd_);
+  if (fd_ >= 0) kernel_.close(fd_);
   fd_ = -1;
 }
 

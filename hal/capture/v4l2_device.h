@@ -1,10 +1,11 @@
-// A video device of Linux by its system calls: memory-mapped streaming, with the timings of an HDMI bridge
-// taken over where the device has them.
+// A video device of Linux by its system calls: memory-mapped streaming; an HDMI bridge is given an EDID where
+// it has none, and its timings are taken over.
 #pragma once
 
 #include <array>
 #include <string>
 
+#include "hal/capture/kernel_calls.h"
 #include "hal/capture/video_device.h"
 
 namespace sonoband {
@@ -13,7 +14,8 @@ class V4l2Device final : public VideoDevice {
  public:
   // `path` is a device file (a link below /dev/v4l/by-id stays with its grabber), or "auto" for the first
   // device that streams pictures.
-  explicit V4l2Device(std::string path) : path_(std::move(path)) {}
+  explicit V4l2Device(std::string path, KernelCalls& kernel = kernel_calls())
+      : kernel_(kernel), path_(std::move(path)) {}
   ~V4l2Device() override;
 
   VideoStatus open() override;
@@ -29,6 +31,8 @@ class V4l2Device final : public VideoDevice {
  private:
   VideoStatus open_one(const std::string& path);
   VideoStatus take_timings();
+  void give_edid(const VideoMode& mode, double rate_hz);
+  int call(unsigned long request, void* argument) { return kernel_.control(fd_, request, argument); }
 
   static constexpr int wanted_buffers = 4;
   struct Mapping {
@@ -36,6 +40,7 @@ class V4l2Device final : public VideoDevice {
     std::size_t bytes = 0;
   };
 
+  KernelCalls& kernel_;
   std::string path_;
   std::string opened_;
   std::string card_;
