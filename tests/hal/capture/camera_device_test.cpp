@@ -84,7 +84,7 @@ class FakeCalls final : public CameraCalls {
       out = camera_.said.front();
       camera_.said.pop_front();
     }
-    if (!camera_.queued.empty() && out.slot == camera_.queued.front()) camera_.queued.pop_front();
+    std::erase(camera_.queued, out.slot);
     return true;
   }
   bool gone() const override { return camera_.gone; }
