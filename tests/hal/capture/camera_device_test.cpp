@@ -212,6 +212,24 @@ TEST(CameraDevice, TooFewOrTooSmallBuffersGiveNoPicture) {
   EXPECT_GT(rig.health().lost, 40u);
 }
 
+TEST(CameraDevice, ABufferThatIsBeingReadIsNotHandedOutAgain) {
+  test::SteppedClock clock;
+  MadeUpCamera camera;
+  CameraDevice device(std::make_unique<FakeCalls>(camera, clock), "auto");
+  VideoMode mode{.format = PixelFormat::yuyv, .width = width, .height = height};
+  ASSERT_EQ(device.open(), VideoStatus::ok);
+  ASSERT_EQ(device.negotiate(mode, 50), VideoStatus::ok);
+  ASSERT_EQ(device.start(), VideoStatus::ok);
+  VideoBuffer buffer;
+  ASSERT_EQ(device.take(buffer, std::chrono::seconds(1)), VideoStatus::ok);
+  camera.said.push_back({.slot = buffer.index, .bytes = 1, .whole = true});
+  VideoBuffer again;
+  EXPECT_EQ(device.take(again, std::chrono::seconds(1)), VideoStatus::failed);
+  EXPECT_EQ(device.give_back(buffer.index), VideoStatus::ok);
+  EXPECT_EQ(device.give_back(buffer.index), VideoStatus::failed) << "once is enough";
+  EXPECT_EQ(device.give_back(-1), VideoStatus::failed);
+}
+
 TEST(CameraDevice, LiesAboutBuffersEndInARestartAndNeverInAForeignPicture) {
   std::mt19937 random(5);
   Rig rig;
