@@ -124,9 +124,9 @@ struct TileDistance {
 
 // How two neighbours of a chain share the samples between them: the second has z / gap.
 struct alignas(64) ChainShare {
+  std::array<float, patch_lanes> z_lanes, gap_lanes;  // from lane 0, in the kernels' order
   TileDistance z;                                     // signed distance from the first frame
   TileDistance gap;                                   // between the two, > 0
-  std::array<float, patch_lanes> z_lanes, gap_lanes;  // from lane 0, in the kernels' order
 };
 
 // What a frame gives to a layer of eight lines that follow no lattice; lane k is sample k % 8 of line k / 8.

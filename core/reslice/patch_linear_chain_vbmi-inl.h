@@ -16,27 +16,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
-// A frame's bilinear values at layer after layer.
-template <class FetchTaps>
-class BilinearLayers {
- public:
-  HWY_ATTR BilinearLayers(const ChainFrame& f, const PatchSite& site, int first)
-      : values_(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0),
-        x_(f.x_at(site, first) + foot_from_position),
-        y_(f.y_at(site, first) + foot_from_position),
-        x_per_layer_(f.x_per_layer),
-        y_per_layer_(f.y_per_layer) {}
-  HWY_ATTR HWY_INLINE Wide here() { return values_.at(x_, y_); }
-  HWY_ATTR HWY_INLINE void next() {
-    x_ += x_per_layer_;
-    y_ += y_per_layer_;
-  }
-
- private:
-  Bilinear<FetchTaps> values_;
-  FixedPx x_, y_, x_per_layer_, y_per_layer_;
-};
-
 // A cell of a patch: the conditions that begin and end it, its layers.
 struct CellSite {
   const PatchSite& site;
@@ -46,31 +25,54 @@ struct CellSite {
   HWY_ATTR HWY_INLINE LaneMask lanes(int l) const { return lanes_between(from, to, site, l); }
 };
 
+template <class FetchTaps>
+HWY_ATTR HWY_INLINE Bilinear<FetchTaps> bilinear_of(const ChainFrame& f) {
+  return {*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0};
+}
+
 template <Rule rule, class FetchA, class FetchB>
 HWY_ATTR void blend_cell(const ChainFrame& a, const ChainFrame& b, const ChainShare& share,
-                         const CellSite& cell, Gathered<rule>& gathered) {
-  BilinearLayers<FetchA> of_a(a, cell.site, cell.range.low);
-  BilinearLayers<FetchB> of_b(b, cell.site, cell.range.low);
-  for (int l = cell.range.low; l < cell.range.high; ++l, of_a.next(), of_b.next()) {
+                         const CellSite& cell, Gathered<rule>& kept) {
+  Bilinear<FetchA> of_a = bilinear_of<FetchA>(a);
+  Bilinear<FetchB> of_b = bilinear_of<FetchB>(b);
+  const float *z_lanes = share.z_lanes.data(), *gap_lanes = share.gap_lanes.data();
+  const float z = share.z.at(cell.site, 0), gap = share.gap.at(cell.site, 0);
+  const int first = cell.range.low, last = cell.range.high;
+  FixedPx xa = a.x_at(cell.site, first) + foot_from_position,
+          ya = a.y_at(cell.site, first) + foot_from_position;
+  FixedPx xb = b.x_at(cell.site, first) + foot_from_position,
+          yb = b.y_at(cell.site, first) + foot_from_position;
+  Gathered<rule> gathered = kept;
+  for (int l = first; l < last; ++l) {
     const LaneMask m = cell.lanes(l);
-    if (m == 0) continue;
-    const Wide of_second = shares(share.z.at(cell.site, l), share.z_lanes.data(), share.gap.at(cell.site, l),
-                                  share.gap_lanes.data());
-    const Wide v = blended_words(of_a.here(), of_b.here(), of_second);
-    gathered.add_words(m, v.low, v.high);
+    if (m != 0) {
+      const auto layer = static_cast<float>(l);
+      const Wide of_second =
+          shares(z + share.z.per_layer * layer, z_lanes, gap + share.gap.per_layer * layer, gap_lanes);
+      const Wide v = blended_words(of_a.at(xa, ya), of_b.at(xb, yb), of_second);
+      gathered.add_words(m, v.low, v.high);
+    }
+    xa += a.x_per_layer;
+    ya += a.y_per_layer;
+    xb += b.x_per_layer;
+    yb += b.y_per_layer;
   }
+  kept = gathered;
 }
 
 // Beyond the last frame.
 template <Rule rule, class FetchTaps>
-HWY_ATTR void take_alone(const ChainFrame& f, const CellSite& cell, Gathered<rule>& gathered) {
-  BilinearLayers<FetchTaps> values(f, cell.site, cell.range.low);
-  for (int l = cell.range.low; l < cell.range.high; ++l, values.next()) {
+HWY_ATTR void take_alone(const ChainFrame& f, const CellSite& cell, Gathered<rule>& kept) {
+  Bilinear<FetchTaps> values = bilinear_of<FetchTaps>(f);
+  Gathered<rule> gathered = kept;
+  for (int l = cell.range.low; l < cell.range.high; ++l) {
     const LaneMask m = cell.lanes(l);
     if (m == 0) continue;
-    const Wide v = levels_of(values.here());
+    const Wide v = levels_of(
+        values.at(f.x_at(cell.site, l) + foot_from_position, f.y_at(cell.site, l) + foot_from_position));
     gathered.add_words(m, v.low, v.high);
   }
+  kept = gathered;
 }
 
 // False where the lanes lie too far apart for permutes.

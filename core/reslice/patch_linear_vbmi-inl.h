@@ -86,6 +86,7 @@ class RowsTaps {
   HWY_ATTR RowsTaps(const PatchFrame& f, bool, bool)
       : f_(f),
         reach_(f.columns + 2 < 80 ? 80 : 128),
+        room_(f.width - reach_),
         columns_(column_pairs(f), f.part_x.data()),
         rows_(words_of(f.row.data()), f.part_y.data()) {}
 
@@ -93,17 +94,20 @@ class RowsTaps {
     const int left = whole(x) + f_.least_column;
     const auto y16 = static_cast<std::int32_t>(y >> 16);
     const int top = (y16 + f_.least_y) >> 16, bottom = (y16 + f_.greatest_y) >> 16;
-    const Wide columns = columns_.at(x, 0x101);
-    if (left < 0 || left + reach_ > f_.width || top < 0 || bottom + 1 >= f_.height)
-      return at_edge(left, top, bottom, columns, y);
-    const std::uint8_t* from = f_.pixels + top * f_.stride + left;
-    Taps taps{across(from, columns), across(from + f_.stride, columns)};
+    Wide columns = columns_.at(x, 0x101);
+    if (room_ < 0) return of_narrow(left, top, bottom, columns, y);
+    int first = left;
+    if (left < 0 || left > room_) {
+      first = std::clamp(left, 0, room_);
+      columns = onto_edge(columns, left - first);
+    }
+    Taps taps{row_at(top, first, columns), row_at(top + 1, first, columns)};
     if (top == bottom) return taps;
-    Wide row = taps.lower;
     const Wide rows = rows_.at(y, 1);
     const int base = whole(y) + f_.least_row;
+    Wide row = taps.lower;
     for (int r = top + 1; r <= bottom; ++r) {
-      const Wide next = across(f_.pixels + (r + 1) * f_.stride + left, columns);
+      const Wide next = row_at(r + 1, first, columns);
       choose(rows, r - base, row, next, taps);
       row = next;
     }
@@ -111,6 +115,18 @@ class RowsTaps {
   }
 
  private:
+  // Columns from a first one `shift` farther right, in a picture that ends with the pixels loaded (shift > 0)
+  // or begins with them: those beyond it are moved onto its edge.
+  HWY_ATTR HWY_INLINE Wide onto_edge(Wide columns, int shift) const {
+    const __m512i by = _mm512_set1_epi8(static_cast<char>(std::clamp(shift, -128, 127)));
+    const __m512i low = _mm512_add_epi8(columns.low, by), high = _mm512_add_epi8(columns.high, by);
+    if (shift < 0) {
+      const __m512i zero = _mm512_setzero_si512();
+      return {_mm512_max_epi8(low, zero), _mm512_max_epi8(high, zero)};
+    }
+    const __m512i most = _mm512_set1_epi8(static_cast<char>(reach_ - 1));
+    return {_mm512_min_epu8(low, most), _mm512_min_epu8(high, most)};
+  }
   // The taps of lanes whose upper row is `here`.
   HWY_ATTR static HWY_INLINE void choose(Wide rows, int here, Wide upper, Wide lower, Taps& taps) {
     const __m512i row = _mm512_set1_epi16(static_cast<short>(here));
@@ -121,7 +137,8 @@ class RowsTaps {
     taps.lower.low = _mm512_mask_mov_epi16(taps.lower.low, low, lower.low);
     taps.lower.high = _mm512_mask_mov_epi16(taps.lower.high, high, lower.high);
   }
-  HWY_ATTR HWY_INLINE Wide across(const std::uint8_t* from, Wide columns) const {
+  HWY_ATTR HWY_INLINE Wide row_at(int r, int column, Wide columns) const {
+    const std::uint8_t* from = f_.pixels + std::clamp(r, 0, f_.height - 1) * f_.stride + column;
     const __m512i first = _mm512_loadu_si512(from);
     const __m512i second =
         reach_ == 80 ? _mm512_castsi128_si512(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from + 64)))
@@ -130,8 +147,8 @@ class RowsTaps {
             _mm512_permutex2var_epi8(first, columns.high, second)};
   }
 
-  // Taps beyond the picture are moved onto its edge.
-  HWY_ATTR HWY_NOINLINE Taps at_edge(int left, int top, int bottom, Wide columns, FixedPx y) const {
+  // A picture with fewer columns than are loaded.
+  HWY_ATTR HWY_NOINLINE Taps of_narrow(int left, int top, int bottom, Wide columns, FixedPx y) const {
     const int least = std::clamp(-left, 0, 127), most = std::clamp(f_.width - 1 - left, 0, 127);
     columns = clamped(columns, 0, least, most);
     const __mmask64 low = in_picture(left), high = in_picture(left + 64);
@@ -143,14 +160,9 @@ class RowsTaps {
                   _mm512_permutex2var_epi8(first, columns.high, second)};
     };
     Taps taps{row_at(top), row_at(top + 1)};
-    Wide row = taps.lower;
     const Wide rows = rows_.at(y, 1);
     const int base = whole(y) + f_.least_row;
-    for (int r = top + 1; r <= bottom; ++r) {
-      const Wide next = row_at(r + 1);
-      choose(rows, r - base, row, next, taps);
-      row = next;
-    }
+    for (int r = top + 1; r <= bottom; ++r) choose(rows, r - base, row_at(r), row_at(r + 1), taps);
     return taps;
   }
   HWY_ATTR HWY_INLINE __mmask64 in_picture(int left) const {
@@ -161,6 +173,7 @@ class RowsTaps {
 
   const PatchFrame& f_;
   int reach_;  // columns loaded
+  int room_;   // greatest first column
   Whole columns_, rows_;
 };
 
@@ -268,22 +281,28 @@ class Bilinear {
   const std::uint16_t *part_x_, *part_y_;
 };
 
+// 16 lanes of `shares`.
+HWY_ATTR HWY_INLINE __m512i share_quarter(__m512 z, const float* z_lanes, __m512 gap,
+                                          const float* gap_lanes) {
+  const __m512 full = _mm512_set1_ps(blend_full);
+  const __m512 at = _mm512_add_ps(z, _mm512_load_ps(z_lanes));
+  const __m512 across = _mm512_add_ps(gap, _mm512_load_ps(gap_lanes));
+  // One Newton step makes the 14 bits of the estimate a float's.
+  const __m512 guess = _mm512_rcp14_ps(across);
+  const __m512 inverse = _mm512_mul_ps(guess, _mm512_fnmadd_ps(across, guess, _mm512_set1_ps(2.0F)));
+  const __m512 part = _mm512_mul_ps(_mm512_mul_ps(at, full), inverse);
+  // 0 where there is no gap.
+  return _mm512_cvtps_epi32(_mm512_min_ps(_mm512_max_ps(part, _mm512_setzero_ps()), full));
+}
+
 // The second frame's shares z / gap of blend_full, in lane order; lanes as ChainShare has them.
 HWY_ATTR HWY_INLINE Wide shares(float z, const float* z_lanes, float gap, const float* gap_lanes) {
   const __m512 from = _mm512_set1_ps(z), wide = _mm512_set1_ps(gap);
-  __m512i share[4];
-  for (int q = 0; q < 4; ++q) {
-    const __m512 at = _mm512_add_ps(from, _mm512_load_ps(z_lanes + 16 * q));
-    const __m512 across = _mm512_add_ps(wide, _mm512_load_ps(gap_lanes + 16 * q));
-    // One Newton step makes the 14 bits of the estimate a float's.
-    const __m512 guess = _mm512_rcp14_ps(across);
-    const __m512 inverse = _mm512_mul_ps(guess, _mm512_fnmadd_ps(across, guess, _mm512_set1_ps(2.0F)));
-    const __m512 part = _mm512_mul_ps(_mm512_mul_ps(at, _mm512_set1_ps(blend_full)), inverse);
-    // 0 where there is no gap.
-    share[q] = _mm512_cvtps_epi32(
-        _mm512_min_ps(_mm512_max_ps(part, _mm512_setzero_ps()), _mm512_set1_ps(blend_full)));
-  }
-  return {_mm512_packs_epi32(share[0], share[1]), _mm512_packs_epi32(share[2], share[3])};
+  const __m512i first = share_quarter(from, z_lanes, wide, gap_lanes);
+  const __m512i second = share_quarter(from, z_lanes + 16, wide, gap_lanes + 16);
+  const __m512i third = share_quarter(from, z_lanes + 32, wide, gap_lanes + 32);
+  const __m512i fourth = share_quarter(from, z_lanes + 48, wide, gap_lanes + 48);
+  return {_mm512_packs_epi32(first, second), _mm512_packs_epi32(third, fourth)};
 }
 
 // Values of two frames to levels, as `blended`.

@@ -11,6 +11,16 @@ FixedPx fixed(double px) {
   return std::llround(px * fixed_per_px);
 }
 
+// Of one frame and layer, in instructions or so.
+struct FetchCosts {
+  double rows, row;  // of few pixel rows: in all, and of each
+  double window;
+  double single;
+  double window_px;  // greatest span of lanes that fits
+};
+constexpr FetchCosts nearest_costs{12, 5, 22, 150, 13.5};
+constexpr FetchCosts linear_costs{70, 12, 90, 800, 12.5};
+
 // Asks for the pixels the tile will take from a frame: the memory's answers overlap, where the kernels' would
 // come one by one.
 void prefetch(const FrameTable& table, const Lattice& lattice, const LatticeBlock& tile, const TileFrame& t,
@@ -66,7 +76,8 @@ LaneMask existing_lanes(LaneShape shape, int width, int height) {
   return lanes;
 }
 
-LaneShape Tile::choose_shape(const FrameTable& table, const Lattice& lattice) const {
+LaneShape Tile::choose_shape(const FrameTable& table, const Lattice& lattice,
+                             Interpolation interpolation) const {
   const Candidate& middle = *std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return std::abs(a.z_centre) < std::abs(b.z_centre); });
@@ -80,18 +91,19 @@ LaneShape Tile::choose_shape(const FrameTable& table, const Lattice& lattice) co
   const double xl = per(f.x_px, lattice.per_layer), yl = per(f.y_px, lattice.per_layer);
   const double spacing = std::max(2 * f.gap_mm, 1e-3);
   const double frames_per_layer = per(f.z_mm, lattice.per_layer) / spacing;
+  const FetchCosts& costs = interpolation == Interpolation::linear ? linear_costs : nearest_costs;
   LaneShape best;
   double least = 1e30;
   for (int across = patch_lanes; across >= 1; across /= 2) {
     const LaneShape tried{across};
     const int w = tried.across - 1, h = tried.down() - 1;
     const double columns = xa * w + xb * h, rows = ya * w + yb * h;
-    // In instructions or so, of one frame and layer.
-    double cost = 150;
-    if (columns < 125 && rows < 24) cost = 12 + 5 * (rows + 1);
-    if (columns < 13.5 && rows < 13.5) {
-      const double reloads = std::max({xl / (14.5 - columns), yl / (14.5 - rows), frames_per_layer});
-      cost = std::min(cost, 22 + 30 * std::min(1.0, reloads));
+    double cost = costs.single;
+    if (columns < 125 && rows < 24) cost = costs.rows + costs.row * (rows + 1);
+    if (columns < costs.window_px && rows < costs.window_px) {
+      const double room = costs.window_px + 1;
+      const double reloads = std::max({xl / (room - columns), yl / (room - rows), frames_per_layer});
+      cost = std::min(cost, costs.window + 30 * std::min(1.0, reloads));
     }
     cost *= 1 + (za * w + zb * h) / spacing;
     if (cost < least) {
@@ -139,7 +151,7 @@ bool Tile::open(const FrameTable& table, const Lattice& lattice, const std::vect
   box = box_of(lattice, block);
   cull(table, near, box, interpolation, candidates);
   if (candidates.empty()) return false;
-  shape = choose_shape(table, lattice);
+  shape = choose_shape(table, lattice, interpolation);
   grid = lane_grid(shape);
   make_frames(table, lattice, a, b, interpolation == Interpolation::linear ? 2 : 1);
   for (std::size_t c = 0; c < candidates.size(); ++c)

@@ -31,7 +31,7 @@ struct Tile {
   int index_of(int frame) const;
 
   // The patch that spans fewest frames and pixel rows.
-  LaneShape choose_shape(const FrameTable& table, const Lattice& lattice) const;
+  LaneShape choose_shape(const FrameTable& table, const Lattice& lattice, Interpolation interpolation) const;
   // `taps`: pixels along x and along y that a sample takes: 1 nearest, 2 linear.
   void make_frames(const FrameTable& table, const Lattice& lattice, int a, int b, int taps);
 };
