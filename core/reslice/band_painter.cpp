@@ -143,6 +143,42 @@ int BandPainter::paint_cells(const Cells& cells, const PatchSite& site) {
       });
 }
 
+// No data in a block. Layers apart may hold older ones; a picture is blank from the start.
+void BandPainter::blank(const LatticeBlock& block) {
+  if (!apart()) return;
+  const std::uint8_t missing = rule_ == Rule::minimum ? 255 : 0;
+  for (int l = block.l; l < block.l + block.depth; ++l) {
+    for (int y = block.b; y < block.b + block.height; ++y) {
+      std::fill_n(layers_->values_row(l, y) + block.a, block.width, missing);
+      std::fill_n(layers_->has_data_row(l, y) + block.a, block.width, std::uint8_t{0});
+    }
+  }
+}
+
+// As paint_cells; layers kept apart one at a time, the first of the piece being `first_layer`.
+int BandPainter::paint_layers(const Cells& cells, PatchSite site, int first_layer) {
+  if (!apart()) return paint_cells(cells, site);
+  const int layers = site.depth, a = tile_.block.a + site.da, b = tile_.block.b + site.db;
+  if (!linear_) {
+    const std::uint8_t missing = rule_ == Rule::minimum ? 255 : 0;
+    for (int l = 0; l < layers; ++l) apart_.values[l].fill(missing);
+    std::fill_n(apart_.has_data.begin(), layers, LaneMask{0});
+    const int count = static_cast<int>(cells.boundaries.size()) - 1;
+    const int start =
+        patch_kernels().take_chain_apart(cells.frames.data(), cells.boundaries.data(), count, site, apart_);
+    PatchTotals::store(apart_, layers, *layers_, first_layer, a, b, tile_.shape);
+    return start;
+  }
+  for (int l = 0; l < layers; ++l) {
+    site.first = l;
+    site.depth = l + 1;
+    totals_.clear();
+    site.start = paint_cells(cells, site);
+    store_layer(first_layer + l, a, b);
+  }
+  return site.start;
+}
+
 // masks from range.low on.
 void BandPainter::blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
                              LaneMask* masks) {
@@ -233,9 +269,10 @@ void BandPainter::blend_lane(const BlendSide& a, const BlendSide* b, int l, int 
 
 // Blends candidate a's lanes with b's on the other side; b < 0: those of a with nothing there.
 void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
-                               const std::vector<const PatchFrame*>& frames, std::size_t a, int b) {
+                               const std::vector<const PatchFrame*>& frames, std::size_t a, int b,
+                               const LayerRange& range) {
   const Winners::Share& of_a = winners_.share(a);
-  int first = of_a.first, last = of_a.last;
+  int first = std::max(of_a.first, range.low), last = std::min(of_a.last, range.high);
   if (b >= 0) {
     first = std::max(first, winners_.share(b).first);
     last = std::min(last, winners_.share(b).last);
@@ -276,21 +313,28 @@ void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
   blend(side_a_, b >= 0 ? &side_b_ : nullptr, last - first, masks.data());
 }
 
+// What each candidate gives to some layers of place_.
+void BandPainter::paint_shares(const std::vector<Candidate>& candidates,
+                               const std::vector<const PatchFrame*>& frames, const LayerRange& range) {
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Winners::Share& s = winners_.share(c);
+    const int first = std::max(s.first, range.low), last = std::min(s.last, range.high);
+    if (first >= last) continue;
+    if (linear_) {
+      for (int other = -1; other < static_cast<int>(candidates.size()); ++other)
+        if (other != static_cast<int>(c)) blend_shares(candidates, frames, c, other, range);
+    } else {
+      patch_kernels().take(*frames[c], s.x.data() + first, s.y.data() + first, s.wins.data() + first,
+                           last - first, rule_, totals_.piece());
+    }
+  }
+}
+
 // Any geometry, at place_.
 void BandPainter::paint_place(const std::vector<Candidate>& candidates,
                               const std::vector<const PatchFrame*>& frames) {
   winners_.find(table_, candidates, frames, place_, tile_.grid, interpolation());
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const Winners::Share& s = winners_.share(c);
-    if (s.first >= s.last) continue;
-    if (linear_) {
-      for (int other = -1; other < static_cast<int>(candidates.size()); ++other)
-        if (other != static_cast<int>(c)) blend_shares(candidates, frames, c, other);
-    } else {
-      patch_kernels().take(*frames[c], s.x.data() + s.first, s.y.data() + s.first, s.wins.data() + s.first,
-                           s.last - s.first, rule_, totals_.piece());
-    }
-  }
+  paint_shares(candidates, frames, {0, place_.layers});
 }
 
 // A patch of a tile whose frames are no chain throughout.
@@ -299,12 +343,15 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   std::vector<Candidate> candidates;
   const SampleBox box = box_of(lattice, block);
   cull(table_, frames, box, interpolation(), candidates);
-  if (candidates.empty()) return;
+  if (candidates.empty()) {
+    blank(block);
+    return;
+  }
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
   if (make_chain(table_, candidates, box, chain)) {
     lay_out(lattice, chain, candidates, box, block.l, cells_);
-    paint_cells(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes});
+    paint_layers(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes}, block.l);
     return;
   }
   if (candidates.size() > many_candidates && block.depth > 8) {
@@ -329,7 +376,16 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   }
   std::vector<const PatchFrame*> patch_frames;
   for (const Candidate& c : candidates) patch_frames.push_back(&tile_.frames[tile_.index_of(c.frame)].patch);
-  paint_place(candidates, patch_frames);
+  if (!apart()) {
+    paint_place(candidates, patch_frames);
+    return;
+  }
+  winners_.find(table_, candidates, patch_frames, place_, tile_.grid, interpolation());
+  for (int l = 0; l < block.depth; ++l) {
+    totals_.clear();
+    paint_shares(candidates, patch_frames, {l, l + 1});
+    store_layer(block.l + l, block.a, block.b);
+  }
 }
 
 // Paints patch after patch where the frames are a chain, and halves the region where they are not.
@@ -342,16 +398,19 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   const SampleBox box = whole ? tile_.box : box_of(lattice, region);
   if (!whole) cull(table_, frames, box, interpolation(), culled);
   const std::vector<Candidate>& candidates = whole ? tile_.candidates : culled;
-  if (candidates.empty()) return;
+  if (candidates.empty()) {
+    blank(region);
+    return;
+  }
   const auto paint_patches = [&](auto paint) {
     for (int b = region.b; b < region.b + region.height; b += shape.down()) {
       if (stopped()) return;
       for (int a = region.a; a < region.a + region.width; a += shape.across) {
         const int width = std::min(shape.across, region.a + region.width - a);
         const int height = std::min(shape.down(), region.b + region.height - b);
-        totals_.clear();
+        if (!apart()) totals_.clear();
         paint(a, b, width, height);
-        totals_.store(image_, a, b, shape);
+        if (!apart()) totals_.store(*image_, a, b, shape);
       }
     }
   };
@@ -360,8 +419,10 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
     lay_out(lattice, chain, candidates, box, 0, cells_);
     int start = 0;
     paint_patches([&](int a, int b, int width, int height) {
-      start = paint_cells(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth,
-                                   existing_lanes(shape, width, height), start});
+      start = paint_layers(
+          cells_,
+          {a - tile_.block.a, b - tile_.block.b, region.depth, existing_lanes(shape, width, height), start},
+          0);
     });
     return;
   }
@@ -372,7 +433,7 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   if (region.depth > patch_layers || across * down == 1) {
     paint_patches([&](int a, int b, int width, int height) {
       for (int l = 0; l < region.depth; l += patch_layers) {
-        if (l > 0) totals_.next_piece();
+        if (l > 0 && !apart()) totals_.next_piece();
         paint_block(lattice, {a, b, l, width, height, std::min(patch_layers, region.depth - l)}, near);
       }
     });
@@ -401,14 +462,21 @@ void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& fr
        candidates);
   std::vector<int> near;
   for (const Candidate& c : candidates) near.push_back(c.frame);
-  if (near.empty()) return;
+  if (near.empty()) {
+    blank({a, b, 0, width, height, lattice.layers});
+    return;
+  }
   bool opened = tile_.open(table_, lattice, near, interpolation(), a, b);
   for (const int end = a + width; a < end; a += tile_pixels) {
     if (stopped()) return;
     const bool more = a + tile_pixels < end;
     const bool next_opened =
         more && next_tile_.open(table_, lattice, near, interpolation(), a + tile_pixels, b);
-    if (opened) paint_region(lattice, tile_.block, near);
+    if (opened) {
+      paint_region(lattice, tile_.block, near);
+    } else {
+      blank({a, b, 0, std::min(tile_pixels, end - a), height, lattice.layers});
+    }
     std::swap(tile_, next_tile_);
     opened = next_opened;
   }
@@ -459,7 +527,7 @@ void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& 
       }
       paint_place(candidates, patch_frames);
     }
-    totals_.store(image_, a, row, tile_.shape);
+    totals_.store(*image_, a, row, tile_.shape);
   }
 }
 

@@ -21,7 +21,15 @@ class BandPainter {
         stop_(stop),
         linear_(settings.interpolation == Interpolation::linear),
         rule_(rule_of(settings.compounding, table.kind)),
-        image_(image),
+        image_(&image),
+        totals_(rule_) {}
+  // Layers apart, not compounded.
+  BandPainter(const FrameTable& table, const RenderSettings& settings, LayerBlock& layers)
+      : table_(table),
+        stop_(nullptr),
+        linear_(settings.interpolation == Interpolation::linear),
+        rule_(settings.compounding == Compounding::minimum ? Rule::minimum : Rule::maximum),
+        layers_(&layers),
         totals_(rule_) {}
 
   // The tiles of samples [a, a + width) from row b on. `frames` are those that may matter, ascending. A
@@ -50,13 +58,16 @@ class BandPainter {
   bool all_taps_kept(const FrameEntry& frame, const SampleBox& box) const;
   // Returns a cell for the next patch to start from.
   int paint_cells(const Cells& cells, const PatchSite& site);
+  int paint_layers(const Cells& cells, PatchSite site, int first_layer);
   void blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
                   LaneMask* masks);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
   void paint_block(const Lattice& lattice, const LatticeBlock& block, const std::vector<int>& frames);
   void paint_place(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames);
+  void paint_shares(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames,
+                    const LayerRange& range);
   void blend_shares(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames,
-                    std::size_t a, int b);
+                    std::size_t a, int b, const LayerRange& range);
 
   // One of two frames to blend, with storage for its layers.
   struct BlendSide {
@@ -70,14 +81,19 @@ class BandPainter {
   void blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks);
   void blend_lane(const BlendSide& a, const BlendSide* b, int l, int lane);
 
+  bool apart() const { return image_ == nullptr; }
+  void blank(const LatticeBlock& block);
+  void store_layer(int layer, int a, int b) { totals_.store(*layers_, layer, a, b, tile_.shape); }
   bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
 
   const FrameTable& table_;
   const std::atomic<bool>* stop_;  // may be null
   bool linear_;
   Rule rule_;
-  BandImage& image_;
+  BandImage* image_ = nullptr;  // or `layers_`
+  LayerBlock* layers_ = nullptr;
   PatchTotals totals_;
+  PatchLayers apart_;
   Tile tile_, next_tile_;
   Cells cells_;
   Winners winners_;

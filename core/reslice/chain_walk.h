@@ -22,13 +22,15 @@ struct BoundaryReach {
     least = std::clamp(at + boundary.least, -2.0F, 300.0F);
     greatest = std::clamp(at + boundary.greatest, -2.0F, 300.0F);
   }
-  bool everywhere(const ChainBoundary& boundary, int depth) const {
+  bool everywhere(const ChainBoundary& boundary, const PatchSite& site) const {
     if (boundary.always || boundary.never) return boundary.always;
-    return boundary.rising ? greatest <= 0 : least >= static_cast<float>(depth - 1);
+    return boundary.rising ? greatest <= static_cast<float>(site.first)
+                           : least >= static_cast<float>(site.depth - 1);
   }
-  bool nowhere(const ChainBoundary& boundary, int depth) const {
+  bool nowhere(const ChainBoundary& boundary, const PatchSite& site) const {
     if (boundary.always || boundary.never) return boundary.never;
-    return boundary.rising ? least > static_cast<float>(depth - 1) : greatest < 0;
+    return boundary.rising ? least > static_cast<float>(site.depth - 1)
+                           : greatest < static_cast<float>(site.first);
   }
 };
 
@@ -55,23 +57,22 @@ template <class Visit>
 inline int walk_chain(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
   // Where a boundary holds everywhere, so do those before it.
   int start = std::min(site.start, count - 1);
-  while (start > 0 && !BoundaryReach(boundaries[start], site).everywhere(boundaries[start], site.depth))
-    --start;
+  while (start > 0 && !BoundaryReach(boundaries[start], site).everywhere(boundaries[start], site)) --start;
   const ChainBoundary* from = boundaries + start;
   BoundaryReach from_reach(*from, site);
   for (int cell = start; cell < count; ++cell) {
     const ChainBoundary* to = boundaries + cell + 1;
     const BoundaryReach to_reach(*to, site);
-    if (to_reach.everywhere(*to, site.depth)) {
+    if (to_reach.everywhere(*to, site)) {
       from = to;
       from_reach = to_reach;
       start = cell + 1;
       continue;
     }
-    const bool begun = from_reach.everywhere(*from, site.depth);
-    if (!begun && from_reach.nowhere(*from, site.depth)) break;
-    const bool ends = !to_reach.nowhere(*to, site.depth);
-    LayerRange range{0, site.depth};
+    const bool begun = from_reach.everywhere(*from, site);
+    if (!begun && from_reach.nowhere(*from, site)) break;
+    const bool ends = !to_reach.nowhere(*to, site);
+    LayerRange range{site.first, site.depth};
     if (!begun) keep_holding(*from, from_reach, range);
     if (ends) keep_not_holding(*to, to_reach, range);
     if (range.low < range.high) visit(cell, begun ? nullptr : from, ends ? to : nullptr, range);

@@ -36,28 +36,6 @@ HWY_ATTR void fold(const std::uint8_t* const* rows, int count, bool minimum, int
   }
 }
 
-HWY_ATTR void mark(const std::uint16_t* covered, std::uint8_t missing, int width, std::uint8_t* has_data,
-                   std::uint8_t* values) {
-  const Words d;
-  const hn::Rebind<std::uint8_t, Words> bytes;
-  const int step = static_cast<int>(hn::Lanes(d));
-  const auto absent = hn::Set(bytes, missing);
-  const auto all = hn::Set(d, 255);
-  int x = 0;
-  for (; x + step <= width; x += step) {
-    // Coverage of one layer is 0 or 1.
-    const auto has = hn::DemoteTo(
-        bytes, hn::BitCast(hn::RebindToSigned<Words>(), hn::Mul(hn::LoadU(d, covered + x), all)));
-    hn::StoreU(has, bytes, has_data + x);
-    const auto v = hn::LoadU(bytes, values + x);
-    hn::StoreU(hn::Or(hn::And(v, has), hn::AndNot(has, absent)), bytes, values + x);
-  }
-  for (; x < width; ++x) {
-    has_data[x] = static_cast<std::uint8_t>(covered[x] * 255);
-    values[x] = static_cast<std::uint8_t>((values[x] & has_data[x]) | (missing & ~has_data[x]));
-  }
-}
-
 HWY_ATTR void count(const LayerRow& layer, bool add, int width, std::uint16_t* counts, std::uint32_t* sums) {
   const Words d;
   const hn::Rebind<std::uint8_t, Words> bytes;
@@ -122,7 +100,7 @@ HWY_ATTR void mean(const std::uint32_t* sums, const std::uint16_t* counts, int w
 }
 
 HWY_ATTR const LayerKernels& layer_kernels_of_target() {
-  static constexpr LayerKernels kernels{fold, mark, count, blank, mean};
+  static constexpr LayerKernels kernels{fold, count, blank, mean};
   return kernels;
 }
 

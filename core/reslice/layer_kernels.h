@@ -16,10 +16,6 @@ struct LayerKernels {
   // them.
   void (*fold)(const std::uint8_t* const* rows, int count, bool minimum, int width, std::uint8_t* out);
 
-  // Of one layer's coverage, 0 or 1: has_data[x] is 255 or 0, and values[x] = missing where it is 0.
-  void (*mark)(const std::uint16_t* covered, std::uint8_t missing, int width, std::uint8_t* has_data,
-               std::uint8_t* values);
-
   // Adds a layer to, or takes it from, how many have data and, if `sums` is given, the sum of their values.
   void (*count)(const LayerRow& layer, bool add, int width, std::uint16_t* counts, std::uint32_t* sums);
 

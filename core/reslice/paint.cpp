@@ -11,6 +11,7 @@ namespace sonoband {
 namespace {
 
 constexpr int strip_pixels = 4 * tile_pixels;  // painted by one thread in turn
+constexpr int layer_strip_pixels = 2 * tile_pixels;
 
 // Where line (row, layer) of a plane starts.
 Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
@@ -42,6 +43,27 @@ LineBundle lines_of(const Lattice& lattice) {
   for (int row = 0; row < lattice.rows; ++row)
     for (int layer = 0; layer < lattice.layers; ++layer) bundle.starts.push_back({lattice.at(0, row, layer)});
   return bundle;
+}
+
+// Each layer as a picture of its own, by the plain kernel and on one thread: pixels so large are rare.
+void paint_layers_plainly(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                          LayerBlock& layers) {
+  Serial serial;
+  const std::uint8_t missing = settings.compounding == Compounding::minimum ? 255 : 0;
+  Lattice thin = lattice;
+  thin.layers = 1;
+  for (int l = 0; l < lattice.layers; ++l) {
+    thin.origin = lattice.at(0, 0, l);
+    BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
+    paint_plainly(table, lines_of(thin), settings, serial, nullptr, image);
+    for (int y = 0; y < lattice.rows; ++y) {
+      for (int x = 0; x < lattice.samples; ++x) {
+        const bool has = image.coverage.view()(x, y) != 0;
+        layers.has_data_row(l, y)[x] = has ? 255 : 0;
+        layers.values_row(l, y)[x] = has ? image.pixels.view()(x, y) : missing;
+      }
+    }
+  }
 }
 
 // Paints with the sweep's frames, or with those that stay when thinned.
@@ -95,6 +117,24 @@ BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSet
                         std::min(strip_pixels, lattice.samples - a));
   });
   return image;
+}
+
+int layer_strips(const FrameTable& table, const Lattice& lattice) {
+  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) return 1;
+  const int across = (lattice.samples + layer_strip_pixels - 1) / layer_strip_pixels;
+  return across * ((lattice.rows + tile_pixels - 1) / tile_pixels);
+}
+
+void paint_layer_strip(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                       int strip, LayerBlock& layers) {
+  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
+    paint_layers_plainly(table, lattice, settings, layers);
+    return;
+  }
+  const int across = (lattice.samples + layer_strip_pixels - 1) / layer_strip_pixels;
+  const int a = strip % across * layer_strip_pixels, b = strip / across * tile_pixels;
+  const int width = std::min(layer_strip_pixels, lattice.samples - a);
+  BandPainter(table, settings, layers).paint_tiles(lattice, all_frames(table), a, b, width);
 }
 
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,

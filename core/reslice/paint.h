@@ -5,6 +5,7 @@
 
 #include "core/reslice/frame_table.h"
 #include "core/reslice/lattice.h"
+#include "core/reslice/layer_block.h"
 
 namespace sonoband {
 
@@ -15,5 +16,12 @@ BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSet
                 Parallel& parallel, const std::atomic<bool>* stop);
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
                 Parallel& parallel, const std::atomic<bool>* stop);
+
+// Layers apart, a strip of the picture at a time; strips may be painted in any order and on any threads.
+// Whatever a strip of the block held before is overwritten. Of `settings` the interpolation counts and
+// whether minima are asked for.
+int layer_strips(const FrameTable& table, const Lattice& lattice);
+void paint_layer_strip(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                       int strip, LayerBlock& layers);
 
 }  // namespace sonoband

@@ -68,6 +68,12 @@ struct alignas(64) PatchSums {
   std::array<std::int16_t, patch_lanes> velocity;  // of coloured, levels
 };
 
+// A patch's layers apart.
+struct alignas(64) PatchLayers {
+  std::array<std::array<std::uint8_t, patch_lanes>, patch_layers> values;
+  std::array<LaneMask, patch_layers> has_data;
+};
+
 enum class Rule : std::uint8_t { maximum, minimum, mean_grey, mean_doppler };
 
 // For each lane the layer where an affine condition changes: true from that layer on, or up to it.
@@ -76,12 +82,13 @@ struct alignas(64) LayerThresholds {
   bool rising = true;  // condition holds for l >= layer; else for l < layer
 };
 
-// Where patches of a tile begin: samples and rows from the tile's corner, how many layers, which lanes exist.
+// Where patches of a tile begin: samples and rows from the tile's corner, which layers, which lanes exist.
 struct PatchSite {
   int da = 0, db = 0;
-  int depth = 0;  // layers 0 .. depth - 1 of the piece the boundaries were laid out for
+  int depth = 0;  // layers first .. depth - 1 of the piece the boundaries were laid out for
   LaneMask lanes = 0;
   int start = 0;  // a cell near the first, such as the first of the patch beside it
+  int first = 0;
 };
 
 // An affine condition over a tile, value >= 0, by the layer at which it changes: for each lane that of lane 0
@@ -182,6 +189,10 @@ struct PatchKernels {
   // masked.
   int (*blend_chain)(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
                      int count, const PatchSite& site, Rule rule, PatchSums& sums);
+
+  // The same of layers apart: writes values of the lanes that a frame gives, and adds these to has_data.
+  int (*take_chain_apart)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                          const PatchSite& site, PatchLayers& layers);
 
   // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel.
   void (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row, std::int32_t* offsets);

@@ -90,9 +90,37 @@ HWY_ATTR HWY_INLINE LaneMask lanes_between(const Condition& from, const Conditio
   return site.lanes & from.at(layer) & ~to.at(layer);
 }
 
-template <Rule rule, class FetchLanes>
+// What a chain's pixels go to: the sums of a patch.
+template <Rule rule>
+struct ToSums {
+  Gathered<rule> gathered;
+  PatchSums* sums;
+  HWY_ATTR explicit ToSums(PatchSums& s) : gathered(s), sums(&s) {}
+  HWY_ATTR HWY_INLINE void add(int, LaneMask m, __m512i values) { gathered.add(m, values); }
+  HWY_ATTR void take(const PatchFrame& f, int, FixedPx x, FixedPx y, LaneMask m) {
+    gathered.store();
+    take_single<rule>(f, &x, &y, &m, 1, *sums);
+    gathered = Gathered<rule>(*sums);
+  }
+};
+
+// Or its layers apart.
+struct ToLayers {
+  PatchLayers* layers;
+  HWY_ATTR HWY_INLINE void add(int l, LaneMask m, __m512i values) const {
+    _mm512_mask_storeu_epi8(layers->values[l].data(), m, values);
+    layers->has_data[l] |= m;
+  }
+  HWY_ATTR void take(const PatchFrame& f, int l, FixedPx x, FixedPx y, LaneMask m) const {
+    alignas(64) std::uint8_t values[patch_lanes];
+    fetch_single(f, x, y, values);
+    add(l, m, _mm512_load_si512(values));
+  }
+};
+
+template <class FetchLanes, class To>
 HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, const Condition& from,
-                                   const Condition& to, const LayerRange& range, Gathered<rule>& gathered) {
+                                   const Condition& to, const LayerRange& range, To& gathered) {
   FetchLanes fetch(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
   FixedPx x = f.x_at(site, range.low), y = f.y_at(site, range.low);
   for (int l = range.low; l < range.high; ++l, x += f.x_per_layer, y += f.y_per_layer) {
@@ -100,7 +128,7 @@ HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, c
     if (m == 0) continue;
     if (l + layers_ahead < range.high)
       fetch.prefetch(x + layers_ahead * f.x_per_layer, y + layers_ahead * f.y_per_layer);
-    gathered.add(m, fetch.at(x, y));
+    gathered.add(l, m, fetch.at(x, y));
   }
 }
 
@@ -131,30 +159,39 @@ HWY_ATTR HWY_INLINE int walk_conditions(const ChainBoundary* boundaries, int cou
       });
 }
 
+template <class To>
+HWY_ATTR HWY_INLINE int take_chain_to(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                      const PatchSite& site, To& gathered) {
+  return walk_conditions(boundaries, count, site,
+                         [&](int cell, const Condition& from, const Condition& to, const LayerRange& range)
+                             HWY_ATTR {
+                               const ChainFrame& f = frames[cell];
+                               if (f.frame->fetch == Fetch::window) {
+                                 take_cell<WindowFetch>(f, site, from, to, range, gathered);
+                               } else if (f.frame->fetch == Fetch::rows) {
+                                 take_cell<RowsFetch>(f, site, from, to, range, gathered);
+                               } else {
+                                 for (int l = range.low; l < range.high; ++l) {
+                                   const LaneMask m = lanes_between(from, to, site, l);
+                                   gathered.take(*f.frame, l, f.x_at(site, l), f.y_at(site, l), m);
+                                 }
+                               }
+                             });
+}
+
 template <Rule rule>
 HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                            const PatchSite& site, PatchSums& sums) {
-  Gathered<rule> gathered(sums);
-  const int start = walk_conditions(
-      boundaries, count, site,
-      [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
-        const ChainFrame& f = frames[cell];
-        if (f.frame->fetch == Fetch::window) {
-          take_cell<rule, WindowFetch>(f, site, from, to, range, gathered);
-        } else if (f.frame->fetch == Fetch::rows) {
-          take_cell<rule, RowsFetch>(f, site, from, to, range, gathered);
-        } else {
-          gathered.store();
-          for (int l = range.low; l < range.high; ++l) {
-            const LaneMask m = lanes_between(from, to, site, l);
-            const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-            take_single<rule>(*f.frame, &x, &y, &m, 1, sums);
-          }
-          gathered = Gathered<rule>(sums);
-        }
-      });
-  gathered.store();
+  ToSums<rule> gathered(sums);
+  const int start = take_chain_to(frames, boundaries, count, site, gathered);
+  gathered.gathered.store();
   return start;
+}
+
+HWY_ATTR inline int take_chain_apart(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                     const PatchSite& site, PatchLayers& layers) {
+  ToLayers apart{&layers};
+  return take_chain_to(frames, boundaries, count, site, apart);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -214,6 +214,21 @@ HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
   });
 }
 
+HWY_ATTR int take_chain_apart(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                              const PatchSite& site, PatchLayers& layers) {
+  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
+    if (mask == 0) return;
+    const ChainFrame& f = frames[cell];
+    alignas(64) std::uint8_t values[patch_lanes];
+    fetch_single(*f.frame, f.x_at(site, l), f.y_at(site, l), values);
+    const Bytes d;
+    std::uint8_t* out = layers.values[l].data();
+    for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d))
+      hn::Store(hn::IfThenElse(lanes_of(mask, k), hn::Load(d, values + k), hn::Load(d, out + k)), d, out + k);
+    layers.has_data[l] |= mask;
+  });
+}
+
 template <Rule rule>
 HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
                        int layers, PatchSums& sums) {
@@ -347,10 +362,10 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{HWY_TARGET,   lay_lanes,   thresholds,     take_chain,
-                                        lay_share,    blend_chain, lane_positions, split_positions,
-                                        hold,         half_space,  inside,         take,
-                                        take_rulings, blend,       taps_inside};
+  static constexpr PatchKernels kernels{
+      HWY_TARGET,     lay_lanes,       thresholds, take_chain, lay_share, blend_chain, take_chain_apart,
+      lane_positions, split_positions, hold,       half_space, inside,    take,        take_rulings,
+      blend,          taps_inside};
   return kernels;
 }
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "core/reslice/band.h"
 #include "core/reslice/compound.h"
+#include "core/reslice/layer_block.h"
 #include "core/reslice/patch.h"
 
 namespace sonoband {
@@ -58,13 +60,53 @@ class PatchTotals {
     if (rule_ == Rule::minimum) {
       for (int k = 0; k < patch_lanes; ++k) values[k] = counts[k] != 0 ? values[k] : std::uint8_t{0};
     }
-    const int width = std::min(shape.across, image.pixels.width() - x);
-    const int height = std::min(shape.down(), image.pixels.height() - y);
-    const auto put = [&](auto columns) {
-      for (int row = 0; row < height; ++row) {
-        std::copy_n(values.data() + row * shape.across, columns(), image.pixels.view().row(y + row) + x);
-        std::copy_n(counts.data() + row * shape.across, columns(), image.coverage.view().row(y + row) + x);
+    const LanesAt at{x, y, image.pixels.width(), image.pixels.height(), shape};
+    put_lanes(values.data(), at, [&](int row) { return image.pixels.view().row(row); });
+    put_lanes(counts.data(), at, [&](int row) { return image.coverage.view().row(row); });
+  }
+
+  // Of a single layer.
+  void store(LayerBlock& block, int layer, int x, int y, LaneShape shape) {
+    std::array<std::uint8_t, patch_lanes> has;
+    for (int k = 0; k < patch_lanes; ++k) has[k] = static_cast<std::uint8_t>(-piece_.count[k]);
+    put_layer(piece_.extreme, has, block, layer, {x, y, block.width, block.values.height(), shape});
+  }
+  // Layers 0 .. depth - 1 of a patch as layers `first` and on.
+  static void store(const PatchLayers& layers, int depth, LayerBlock& block, int first, int x, int y,
+                    LaneShape shape) {
+    std::array<std::uint8_t, patch_lanes> has;
+    for (int l = 0; l < depth; ++l) {
+      const LaneMask lanes = layers.has_data[l];
+      // Eight bits to eight bytes of 0 or 255: bit i to the top of byte i.
+      for (int i = 0; i < 8; ++i) {
+        const std::uint64_t bits = (lanes >> (8 * i) & 0xff) * 0x0101010101010101ULL & 0x8040201008040201ULL;
+        const std::uint64_t ones = (bits + 0x7f7f7f7f7f7f7f7fULL) & 0x8080808080808080ULL;
+        const std::uint64_t bytes = (ones >> 7) * 0xff;
+        std::memcpy(has.data() + 8 * i, &bytes, 8);
       }
+      put_layer(layers.values[l], has, block, first + l, {x, y, block.width, block.values.height(), shape});
+    }
+  }
+
+ private:
+  using LaneBytes = std::array<std::uint8_t, patch_lanes>;
+  // Where lane 0 is in a picture.
+  struct LanesAt {
+    int x, y, picture_width, picture_height;
+    LaneShape shape;
+  };
+  static void put_layer(const LaneBytes& values, const LaneBytes& has, LayerBlock& block, int layer,
+                        const LanesAt& at) {
+    put_lanes(values.data(), at, [&](int row) { return block.values_row(layer, row); });
+    put_lanes(has.data(), at, [&](int row) { return block.has_data_row(layer, row); });
+  }
+  template <class T, class Row>
+  static void put_lanes(const T* lanes, const LanesAt& at, Row row_at) {
+    const int width = std::min(at.shape.across, at.picture_width - at.x);
+    const int height = std::min(at.shape.down(), at.picture_height - at.y);
+    const auto put = [&](auto columns) {
+      for (int row = 0; row < height; ++row)
+        std::copy_n(lanes + row * at.shape.across, columns(), row_at(at.y + row) + at.x);
     };
     // Rows of a known length are stored without a call.
     if (width == 8) {
@@ -75,8 +117,6 @@ class PatchTotals {
       put([&] { return width; });
     }
   }
-
- private:
   void gather() {
     for (int k = 0; k < patch_lanes; ++k) {
       const MeanSums more = mean_of(k);

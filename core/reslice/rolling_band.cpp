@@ -1,9 +1,12 @@
 #include "core/reslice/rolling_band.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "core/reslice/frame_table.h"
 #include "core/reslice/layer_kernels.h"
+#include "core/reslice/paint.h"
 
 namespace sonoband {
 namespace {
@@ -21,11 +24,31 @@ std::uint8_t missing_of(Compounding how) {
   return how == Compounding::minimum ? 255 : 0;
 }
 
+// The block that holds a layer; layers may be negative.
+int block_of(int layer) {
+  static_assert((RollingBand::block_layers & (RollingBand::block_layers - 1)) == 0);
+  return layer >> std::countr_zero(static_cast<unsigned>(RollingBand::block_layers));
+}
+
 }  // namespace
+
+RollingBand::Window RollingBand::window_of(int offset, const RenderSettings& settings) {
+  const int side = settings.band.layers() / 2;
+  return {offset - side, offset + side};
+}
 
 void RollingBand::clear() {
   begun_ = false;
-  layers_.clear();
+  forget();
+  spare_blocks_.clear();
+  spare_runs_.clear();
+}
+
+// All layers but not their memory: pages that come anew cost as much as painting them.
+void RollingBand::forget() {
+  for (auto& [index, block] : blocks_) spare_blocks_.push_back(std::move(block.layers));
+  for (auto& [run, pixels] : runs_) spare_runs_.push_back(std::move(pixels));
+  blocks_.clear();
   runs_.clear();
   counted_ = {};
   layers_painted_ = 0;
@@ -33,7 +56,8 @@ void RollingBand::clear() {
 
 std::size_t RollingBand::bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane_.width, 0)) * std::max(plane_.height, 0);
-  return pixels * (2 * layers_.size() + runs_.size() + (layers_.empty() ? 0 : 6));
+  return pixels * (2 * block_layers * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
+                   spare_runs_.size() + (blocks_.empty() ? 0 : 6));
 }
 
 bool RollingBand::follows(const PreparedSweep& sweep, const ReslicePlane& plane,
@@ -57,7 +81,8 @@ bool RollingBand::follows(const PreparedSweep& sweep, const ReslicePlane& plane,
 
 void RollingBand::begin(const PreparedSweep& sweep, const ReslicePlane& plane,
                         const RenderSettings& settings) {
-  clear();
+  if (plane.width != plane_.width || plane.height != plane_.height) clear();
+  forget();
   begun_ = true;
   plane_ = plane;
   settings_ = settings;
@@ -66,70 +91,148 @@ void RollingBand::begin(const PreparedSweep& sweep, const ReslicePlane& plane,
 }
 
 BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                              Parallel& parallel) {
+                              Parallel& parallel, const StopFlag* stop) {
   const PixelKind kind =
       sweep.view().frames.empty() ? PixelKind::grey : sweep.view().frames.front()->bscan.kind;
   if (plane.width <= 0 || plane.height <= 0 ||
       (kind == PixelKind::doppler && settings.compounding == Compounding::mean))
-    return render_planar(sweep, plane, settings, parallel);
+    return render_planar(sweep, plane, settings, parallel, stop);
   int offset = 0;
   const bool follow = follows(sweep, plane, settings, offset);
   const bool still = offset == offset_ && settings.band.layers() == settings_.band.layers();
-  if (!follow || (layers_.empty() && still)) {
+  if (!follow || (blocks_.empty() && still)) {
     begin(sweep, plane, settings);
-    return render_planar(sweep, plane, settings, parallel);
+    return render_planar(sweep, plane, settings, parallel, stop);
   }
-  if (missing_ != missing_of(settings.compounding)) {
-    // Extremes of the other kind; the layers' gaps are filled anew as they are marked again.
-    runs_.clear();
-    missing_ = missing_of(settings.compounding);
-    for (auto& [index, layer] : layers_)
-      for (int y = 0; y < plane.height; ++y) {
-        std::uint8_t* values = layer.pixels.view().row(y);
-        const std::uint8_t* has = layer.has_data.view().row(y);
-        for (int x = 0; x < plane.width; ++x)
-          values[x] = static_cast<std::uint8_t>((values[x] & has[x]) | (missing_ & ~has[x]));
-      }
-  }
+  if (missing_ != missing_of(settings.compounding)) fill_gaps(missing_of(settings.compounding), parallel);
+  const Window before = window_of(offset_, settings_), band = window_of(offset, settings);
   settings_ = settings;
   offset_ = offset;
-  const int side = (settings.band.layers() - 1) / 2;
-  const Window band{offset - side, offset + side};
   forget_far(band);
-  paint_missing(sweep, band, parallel);
+  paint_missing(sweep, before, band, parallel);
   BandImage image = compound(band, parallel);
   image.kind = kind;
   image.frames_left_out = left_out_;
   return image;
 }
 
-// Layers farther from the band than a quarter of its thickness go; what is nearer stays for a drag that turns
-// back.
-void RollingBand::forget_far(const Window& band) {
-  const int room = (band.last - band.first + 1) / 4 + 8;
-  const Window kept{band.first - room, band.last + room};
-  // What is counted must be at hand to be taken off.
-  if (!counted_.empty() && (counted_.first < kept.first || counted_.last > kept.last)) counted_ = {};
-  std::erase_if(layers_, [&](const auto& entry) { return !kept.holds(entry.first); });
-  std::erase_if(runs_, [&](const auto& entry) {
-    const Run& run = entry.first;
-    return run.first < kept.first || run.first + (1 << run.level) - 1 > kept.last;
+// Extremes of the other kind: other values where there is no data.
+void RollingBand::fill_gaps(std::uint8_t missing, Parallel& parallel) {
+  missing_ = missing;
+  for (auto& [run, pixels] : runs_) give_back(std::move(pixels));
+  runs_.clear();
+  parallel.for_each(plane_.height, [&](int y) {
+    for (auto& [index, block] : blocks_) {
+      std::uint8_t* values = block.layers.values.view().row(y);
+      const std::uint8_t* has = block.layers.has_data.view().row(y);
+      for (int x = 0; x < plane_.width * block_layers; ++x)
+        values[x] = static_cast<std::uint8_t>((values[x] & has[x]) | (missing & ~has[x]));
+    }
   });
 }
 
-void RollingBand::paint_missing(PreparedSweep& sweep, const Window& band, Parallel& parallel) {
-  RenderSettings thin = settings_;
-  thin.band.thickness_mm = 0;
-  thin.compounding = Compounding::maximum;
-  for (int i = band.first; i <= band.last; ++i) {
-    if (layers_.contains(i)) continue;
-    ReslicePlane plane = plane_;
-    plane.origin = plane.origin + (i * settings_.band.step_mm) * plane_.normal();
-    BandImage image = render_planar(sweep, plane, thin, parallel);
-    left_out_ = image.frames_left_out;
-    layers_.emplace(i, Layer{std::move(image.pixels), {}, std::move(image.coverage)});
-    ++layers_painted_;
+RollingBand::Layer RollingBand::layer(int index) const {
+  const int block = block_of(index);
+  return {&blocks_.at(block).layers, index - block * block_layers};
+}
+
+Pixels RollingBand::take_run() {
+  if (spare_runs_.empty()) return {plane_.width, plane_.height};
+  Pixels pixels = std::move(spare_runs_.back());
+  spare_runs_.pop_back();
+  return pixels;
+}
+
+void RollingBand::give_back(Pixels pixels) {
+  if (spare_runs_.size() < 2 * block_layers) spare_runs_.push_back(std::move(pixels));
+}
+
+// Blocks farther from the band than a quarter of its thickness go; what is nearer stays for a drag that turns
+// back.
+void RollingBand::forget_far(const Window& band) {
+  const int room = (band.last - band.first + 1) / 4 + block_layers;
+  const Window kept{block_of(band.first - room), block_of(band.last + room)};
+  // What is counted must be at hand to be taken off.
+  if (!counted_.empty() && !(kept.holds(block_of(counted_.first)) && kept.holds(block_of(counted_.last))))
+    counted_ = {};
+  for (auto entry = blocks_.begin(); entry != blocks_.end();) {
+    if (kept.holds(entry->first)) {
+      ++entry;
+      continue;
+    }
+    if (spare_blocks_.size() < 2) spare_blocks_.push_back(std::move(entry->second.layers));
+    entry = blocks_.erase(entry);
   }
+  for (auto entry = runs_.begin(); entry != runs_.end();) {
+    const Run& run = entry->first;
+    if (kept.holds(block_of(run.first)) && kept.holds(block_of(run.first + (1 << run.level) - 1))) {
+      ++entry;
+      continue;
+    }
+    give_back(std::move(entry->second));
+    entry = runs_.erase(entry);
+  }
+}
+
+Lattice RollingBand::lattice_of_block(int block) const {
+  const double step = settings_.band.step_mm;
+  Lattice lattice;
+  lattice.origin = (plane_.origin + (block * block_layers * step) * plane_.normal()).v;
+  lattice.per_sample = (plane_.pixel_mm * plane_.right).v;
+  lattice.per_row = (plane_.pixel_mm * plane_.down).v;
+  lattice.per_layer = (step * plane_.normal()).v;
+  lattice.samples = plane_.width;
+  lattice.rows = plane_.height;
+  lattice.layers = block_layers;
+  return lattice;
+}
+
+// The block's next strips.
+void RollingBand::add_portions(int block, int strips, std::vector<Portion>& portions) {
+  auto found = blocks_.find(block);
+  if (found == blocks_.end()) {
+    if (spare_blocks_.empty()) spare_blocks_.emplace_back(plane_.width, plane_.height, block_layers);
+    found = blocks_.emplace(block, Block{std::move(spare_blocks_.back())}).first;
+    spare_blocks_.pop_back();
+  }
+  Block& b = found->second;
+  for (const int end = b.strips + strips; b.strips < end; ++b.strips) portions.push_back({block, b.strips});
+}
+
+void RollingBand::paint_missing(PreparedSweep& sweep, const Window& before, const Window& band,
+                                Parallel& parallel) {
+  const FrameTable& table =
+      settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : sweep.prepare();
+  left_out_ = static_cast<int>(sweep.view().frames.size() - table.frames.size());
+  const int strips = layer_strips(table, lattice_of_block(0));
+  const auto left = [&](int block) {
+    const auto found = blocks_.find(block);
+    return found == blocks_.end() ? strips : strips - found->second.strips;
+  };
+  const bool first = blocks_.empty();
+  std::vector<Portion> portions;
+  const auto add = [&](int block, int count) {
+    add_portions(block, count, portions);
+    if (count > 0 && left(block) == 0) layers_painted_ += block_layers;
+  };
+  const int lowest = block_of(band.first), highest = block_of(band.last);
+  for (int block = lowest; block <= highest; ++block) add(block, left(block));
+  // Ahead: what remains of a block over the steps that remain until it is reached.
+  const auto ahead = [&](int block, int moved, int until_reached) {
+    if (first || moved <= 0) return;
+    const int steps = until_reached / moved + 1;
+    add(block, (left(block) + steps - 1) / steps);
+  };
+  ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
+  ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
+
+  RenderSettings thin = settings_;
+  thin.compounding = missing_ == 0 ? Compounding::maximum : Compounding::minimum;
+  parallel.for_each(static_cast<int>(portions.size()), [&](int i) {
+    const Portion& portion = portions[i];
+    paint_layer_strip(table, lattice_of_block(portion.block), thin, portion.strip,
+                      blocks_.at(portion.block).layers);
+  });
 }
 
 std::vector<RollingBand::Run> RollingBand::runs_of(const Window& band) const {
@@ -148,12 +251,14 @@ void RollingBand::need(const Run& run, std::vector<Run>& to_build) {
   if (run.level == 0 || runs_.contains(run)) return;
   need({run.level - 1, run.first}, to_build);
   need({run.level - 1, run.first + (1 << (run.level - 1))}, to_build);
-  runs_.emplace(run, Pixels(plane_.width, plane_.height));
+  runs_.emplace(run, take_run());
   to_build.push_back(run);
 }
 
-const Pixels& RollingBand::pixels_of(const Run& run) const {
-  return run.level == 0 ? layers_.at(run.first).pixels : runs_.at(run);
+ConstPixels RollingBand::pixels_of(const Run& run) const {
+  if (run.level > 0) return runs_.at(run).view();
+  const Layer l = layer(run.first);
+  return {l.block->values_row(l.index, 0), plane_.width, plane_.height, l.block->values.width()};
 }
 
 BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
@@ -161,18 +266,12 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   const Compounding how = settings_.compounding;
   const bool mean = how == Compounding::mean, minimum = how == Compounding::minimum;
 
-  std::vector<Layer*> fresh;
-  for (auto& [index, layer] : layers_) {
-    if (layer.has_data.width() == width) continue;
-    layer.has_data = Pixels(width, height);
-    fresh.push_back(&layer);
-  }
   // Layers that come and go since the last picture, or all of them where that is less.
-  std::vector<const Layer*> come, gone;
+  std::vector<Layer> come, gone;
   for (int i = counted_.first; i <= counted_.last; ++i)
-    if (!band.holds(i)) gone.push_back(&layers_.at(i));
+    if (!band.holds(i)) gone.push_back(layer(i));
   for (int i = band.first; i <= band.last; ++i)
-    if (!counted_.holds(i)) come.push_back(&layers_.at(i));
+    if (!counted_.holds(i)) come.push_back(layer(i));
   const auto layers = static_cast<std::size_t>(band.last - band.first + 1);
   const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
   if (anew) {
@@ -180,7 +279,7 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
     sums_ = mean ? ImageBuffer<std::uint32_t>(width, height) : ImageBuffer<std::uint32_t>();
     gone.clear();
     come.clear();
-    for (int i = band.first; i <= band.last; ++i) come.push_back(&layers_.at(i));
+    for (int i = band.first; i <= band.last; ++i) come.push_back(layer(i));
     summed_ = mean;
   }
   counted_ = band;
@@ -190,49 +289,46 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   std::vector<Run> to_build;
   for (const Run& run : runs) need(run, to_build);
   struct Build {
-    const Pixels *first, *second;
+    ConstPixels first, second;
     Pixels* both;
   };
   std::vector<Build> builds;
   for (const Run& run : to_build) {
     const int half = 1 << (run.level - 1);
-    builds.push_back({&pixels_of({run.level - 1, run.first}), &pixels_of({run.level - 1, run.first + half}),
+    builds.push_back({pixels_of({run.level - 1, run.first}), pixels_of({run.level - 1, run.first + half}),
                       &runs_.at(run)});
   }
-  std::vector<const Pixels*> parts;
-  for (const Run& run : runs) parts.push_back(&pixels_of(run));
+  std::vector<ConstPixels> parts;
+  for (const Run& run : runs) parts.push_back(pixels_of(run));
 
   BandImage image{Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), PixelKind::grey};
   const LayerKernels& kernels = layer_kernels();
   parallel.for_each((height + strip_rows - 1) / strip_rows, [&](int strip) {
     std::vector<const std::uint8_t*> rows(parts.size());
     for (int y = strip * strip_rows; y < std::min((strip + 1) * strip_rows, height); ++y) {
-      for (Layer* layer : fresh)
-        kernels.mark(layer->coverage.view().row(y), missing_, width, layer->has_data.view().row(y),
-                     layer->pixels.view().row(y));
       for (const Build& build : builds) {
-        const std::uint8_t* halves[2] = {build.first->view().row(y), build.second->view().row(y)};
+        const std::uint8_t* halves[2] = {build.first.row(y), build.second.row(y)};
         kernels.fold(halves, 2, minimum, width, build.both->view().row(y));
       }
       std::uint16_t* counts = counts_.view().row(y);
       std::uint32_t* sums = mean ? sums_.view().row(y) : nullptr;
-      const auto count = [&](const Layer& layer, bool add) {
-        kernels.count({layer.pixels.view().row(y), layer.has_data.view().row(y)}, add, width, counts, sums);
+      const auto count = [&](const Layer& l, bool add) {
+        kernels.count({l.block->values_row(l.index, y), l.block->has_data_row(l.index, y)}, add, width,
+                      counts, sums);
       };
-      for (const Layer* layer : come) count(*layer, true);
-      for (const Layer* layer : gone) count(*layer, false);
+      for (const Layer& l : come) count(l, true);
+      for (const Layer& l : gone) count(l, false);
       std::uint8_t* pixels = image.pixels.view().row(y);
       if (mean) {
         kernels.mean(sums, counts, width, pixels);
       } else {
-        for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i]->view().row(y);
+        for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i].row(y);
         kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
         if (minimum) kernels.blank(counts, width, pixels);
       }
       std::copy_n(counts, width, image.coverage.view().row(y));
     }
   });
-  for (Layer* layer : fresh) layer->coverage = {};
   return image;
 }
 

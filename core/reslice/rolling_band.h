@@ -1,6 +1,10 @@
 // A band that is dragged along its normal or made thicker and thinner: layers once painted are kept, so that
 // a step costs the layers that are new and a few passes over the picture.
 //
+// Layers are painted in blocks of `block_layers`, counted from the first picture's middle, all of a block in
+// one go: a layer alone costs ten times its share. The block that comes next in the direction of a drag is
+// painted ahead, a portion with every step, so that steps cost the same.
+//
 // Maxima (or minima) are kept of every run of 2, 4, 8 ... layers that begins at a multiple of its length, as
 // far as they were needed; any band is at most 2 log2 N such runs. How many layers have data, and the sums of
 // a mean, are whole numbers: a layer that comes is added, one that goes is taken off.
@@ -9,36 +13,47 @@
 #include <map>
 #include <vector>
 
+#include "core/reslice/lattice.h"
+#include "core/reslice/layer_block.h"
 #include "core/reslice/prepared_sweep.h"
 
 namespace sonoband {
 
 // While the plane moves by whole steps along its normal (a step's 1/1000 is allowed for rounding) or the
-// thickness changes, the picture is, to the last bit, that of its layers each painted by render_planar as a
-// thin plane, however the band got there; so it is render_planar's of the band but for ties. The first
-// picture of a plane, and one whose compounding alone differs, is render_planar's itself: layers are painted
-// when the band first moves (a drag's first step costs all of them, some ten times a later one).
+// thickness changes, a layer has the same bits however the band got there, and the picture is, to the last
+// bit, its layers compounded; each is render_planar's thin picture but for ties, and the whole so
+// render_planar's. The first picture of a plane, and one whose compounding alone differs, is render_planar's
+// itself: layers are painted when the band first moves, in the time of two or three such pictures.
 //
-// Memory: up to 4 bytes per pixel and layer kept, of at most 1.5 N + 16 layers, and 6 per pixel: 14 mm of
-// 640x480 hold 130 MB at most, 60 MB at first.
+// Memory: up to 3 bytes per pixel and layer kept, of at most 1.5 N + 32 layers, and 6 + 32 per pixel: 14 mm
+// of 640x480 hold 140 MB at most, 75 MB at first.
 class RollingBand {
  public:
   // Means of Doppler pictures are rendered whole: their sums are not kept.
+  // `stop` is heeded by whole pictures; a step is short.
   BandImage render(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                   Parallel& parallel);
+                   Parallel& parallel, const StopFlag* stop = nullptr);
 
-  // Layers painted since the last whole picture, for statistics.
+  static constexpr int block_layers = 8;
+  // Layers painted since the last whole picture, of blocks that are complete, for statistics.
   int layers_painted() const { return layers_painted_; }
   // Of all pictures and sums kept.
   std::size_t bytes() const;
-  // Forgets all layers, as after frames were appended.
+  // Forgets all layers and gives back their memory.
   void clear();
 
  private:
+  struct Block {
+    LayerBlock layers;
+    int strips = 0;  // painted
+  };
   struct Layer {
-    Pixels pixels;
-    Pixels has_data;                      // 255 or 0
-    ImageBuffer<std::uint16_t> coverage;  // until has_data is made of it
+    const LayerBlock* block = nullptr;
+    int index = 0;  // in the block
+  };
+  // A strip of a block to be painted.
+  struct Portion {
+    int block = 0, strip = 0;
   };
   // Of layers first .. first + 2^level - 1.
   struct Run {
@@ -51,25 +66,36 @@ class RollingBand {
     bool holds(int layer) const { return layer >= first && layer <= last; }
   };
 
+  static Window window_of(int offset, const RenderSettings& settings);
   bool follows(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                int& offset) const;
   void begin(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings);
-  void paint_missing(PreparedSweep& sweep, const Window& band, Parallel& parallel);
+  Lattice lattice_of_block(int block) const;
+  void add_portions(int block, int strips, std::vector<Portion>& portions);
+  void paint_missing(PreparedSweep& sweep, const Window& before, const Window& band, Parallel& parallel);
+  void fill_gaps(std::uint8_t missing, Parallel& parallel);
   void forget_far(const Window& band);
+  void forget();
+  Pixels take_run();
+  void give_back(Pixels pixels);
+  Layer layer(int index) const;
   std::vector<Run> runs_of(const Window& band) const;
   void need(const Run& run, std::vector<Run>& to_build);
-  const Pixels& pixels_of(const Run& run) const;
+  ConstPixels pixels_of(const Run& run) const;
   BandImage compound(const Window& band, Parallel& parallel);
 
   ReslicePlane plane_;  // of layer 0; layer i lies i steps along its normal
   RenderSettings settings_;
   std::size_t frames_ = 0;
   bool begun_ = false;
-  int offset_ = 0;  // of the last picture's middle layer
-  std::map<int, Layer> layers_;
-  std::uint8_t missing_ = 0;    // in pixels without data: what never is the extreme
-  std::map<Run, Pixels> runs_;  // level 1 and above
-  Window counted_;              // whose layers are in counts_ and sums_
+  int offset_ = 0;               // of the last picture's middle layer
+  std::map<int, Block> blocks_;  // block b: layers b block_layers and on
+  std::uint8_t missing_ = 0;     // in pixels without data: what never is the extreme
+  std::map<Run, Pixels> runs_;   // level 1 and above
+  // Of what was forgotten, so that memory need not come anew.
+  std::vector<LayerBlock> spare_blocks_;
+  std::vector<Pixels> spare_runs_;
+  Window counted_;  // whose layers are in counts_ and sums_
   bool summed_ = false;
   ImageBuffer<std::uint16_t> counts_;
   ImageBuffer<std::uint32_t> sums_;
