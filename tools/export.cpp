@@ -8,6 +8,7 @@
 #include "app/exchange/exam_sequence.h"
 #include "app/exchange/markups.h"
 #include "app/exchange/png.h"
+#include "app/exchange/removable.h"
 #include "app/exchange/sequence_file.h"
 #include "app/exchange/stradwin.h"
 #include "core/reslice/band.h"
@@ -28,6 +29,7 @@ struct Options {
   std::string format = "mha";
   std::int64_t sweep = 0;
   bool with_label = false;
+  bool eject = false;
   std::shared_ptr<MovieOptions> movie;
 };
 
@@ -46,7 +48,11 @@ void write_mask(const fs::path& path, ConstPixels mask) {
 
 void write_pictures(const exchange::ExportedSweep& sweep, const fs::path& stem, const std::string& exam) {
   const exchange::TrackedSequence& s = sweep.sequence;
+  WorkProgress progress("writing the pictures of " + exam);
   for (int i = 0; i < s.frame_count(); ++i) {
+    if (!progress(static_cast<int>(1000LL * i / s.frame_count())))
+      throw BadInput(exam + ": stopped after " + std::to_string(i) + " of " +
+                     std::to_string(s.frame_count()) + " pictures; those are whole");
     BandImage image;
     image.pixels = Pixels(s.width, s.height);
     std::copy_n(s.frame_pixels(i).data(), s.frame_bytes(), image.pixels.view().data);
@@ -116,13 +122,18 @@ void export_exam(const Options& options) {
       continue;
     }
     const std::string name = file.stem().string() + "-sweep" + std::to_string(summary.id);
-    WorkProgress progress("exporting " + name);
-    const exchange::ExportedSweep sweep = exchange::sequence_from_exam(exam, summary.id, std::ref(progress));
+    const exchange::ExportedSweep sweep = [&] {
+      WorkProgress progress("exporting " + name);
+      return exchange::sequence_from_exam(exam, summary.id, std::ref(progress));
+    }();
     damage.insert(damage.end(), sweep.damage.begin(), sweep.damage.end());
     const fs::path stem = options.to / name;
     if (options.format == "png") {
       write_pictures(sweep, stem, name);
-    } else if (options.format == "sx" || options.format == "sw") {
+      continue;
+    }
+    const Interruptible interruptible;  // what is begun is finished
+    if (options.format == "sx" || options.format == "sw") {
       const fs::path path = stem.string() + "." + options.format;
       const int left_out = exchange::write_strad(sweep.sequence, sweep.setup.world,
                                                  sweep.setup.kind == PixelKind::doppler, path);
@@ -137,6 +148,8 @@ void export_exam(const Options& options) {
       exchange::write_sequence(sweep.sequence, path);
       std::printf("%s\n", path.c_str());
     }
+    if (interruptible.asked_to_stop())
+      throw BadInput(name + ": stopped here; the files that are there are whole");
   }
   if (written == 0)
     throw BadInput(file.filename().string() + ": there is no sweep " + std::to_string(options.sweep) +
@@ -144,6 +157,16 @@ void export_exam(const Options& options) {
   if (!damage.empty())
     throw BadInput(file.filename().string() + ": exported without what is damaged: " + damage.front() +
                    (damage.size() > 1 ? " (and " + std::to_string(damage.size() - 1) + " more places)" : ""));
+}
+
+void eject(const Options& options) {
+  const std::string trouble = [&] {
+    sonoband::tools::Progress progress("writing out to " + options.to.string());
+    progress.show(0, 1);
+    return exchange::release(options.to);
+  }();
+  if (!trouble.empty()) throw BadInput(trouble);
+  std::printf("everything is written and unmounted: it can be pulled\n");
 }
 
 }  // namespace
@@ -166,12 +189,14 @@ void add_export(CLI::App& tool) {
   verb->add_option("--sweep", options->sweep, "Only this one, from 1 (default: all)")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--with-label", options->with_label, "DICOM: write the patient's label as name and id");
+  verb->add_flag("--eject", options->eject, "Then write out and unmount the stick or card that --to lies on");
   options->movie = add_movie_options(*verb);
   verb->callback([options] {
     if (options->movie->turn_table && options->format != "webm")
       throw CLI::ValidationError("--turn-table", "a turn-table is a movie: add --format webm");
     check_movie_options(*options->movie);
     on_exams([&] { export_exam(*options); });
+    if (options->eject) eject(*options);
   });
 }
 

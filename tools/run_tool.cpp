@@ -18,6 +18,7 @@ int run_tool(int argc, const char* const* argv) {
   add_convert(tool);
   add_exams(tool);
   add_export(tool);
+  add_places(tool);
   add_import(tool);
   add_verify(tool);
   add_send(tool);

@@ -17,6 +17,7 @@ void add_flow(CLI::App& tool);
 void add_voxels(CLI::App& tool);
 void add_exams(CLI::App& tool);
 void add_export(CLI::App& tool);
+void add_places(CLI::App& tool);
 void add_import(CLI::App& tool);
 void add_verify(CLI::App& tool);
 void add_send(CLI::App& tool);

@@ -8,6 +8,7 @@
 #include "app/exchange/text.h"
 #include "app/exchange/volume.h"
 #include "app/workers.h"
+#include "tools/interrupt.h"
 #include "tools/plane_options.h"
 #include "tools/render_options.h"
 #include "tools/sweep_options.h"
@@ -107,9 +108,12 @@ void voxels(const SweepOptions& sweep_options, const RenderOptions& render_optio
   exchange::VolumeWriter writer(o.out, lattice,
                                 "Resliced by sonoband-tool in " + sweep.world + ", research use only");
   Progress progress("voxels");
+  const Interruptible interruptible;
   std::int64_t covered = 0;
   for (int k = 0; k < slices; ++k) {
     progress.show(k, slices);
+    if (interruptible.asked_to_stop())
+      throw BadInput(o.out.string() + ": stopped before the volume was whole; nothing is left of it");
     const Eigen::Vector3d origin(lattice.origin_mm[0], lattice.origin_mm[1],
                                  lattice.origin_mm[2] + k * lattice.spacing_mm);
     const auto plane = make_plane(origin, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), columns, rows,

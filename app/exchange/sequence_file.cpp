@@ -1,5 +1,6 @@
 #include "app/exchange/sequence_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -14,6 +15,10 @@
 namespace sonoband::exchange {
 
 namespace {
+
+std::string of_descriptor(int descriptor) {
+  return fmt::format("/proc/self/fd/{}", descriptor);
+}
 
 std::string cause() {
   return std::generic_category().message(errno);
@@ -75,12 +80,18 @@ void write_sequence(const TrackedSequence& sequence, const std::filesystem::path
 
 FileBeside::FileBeside(std::filesystem::path path) : path_(std::move(path)), unfinished_(path_) {
   unfinished_ += fmt::format(".{}.unfinished", ::getpid());
+  const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+  nameless_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (nameless_ >= 0) stream_.open(of_descriptor(nameless_), std::ios::binary);
+  if (nameless_ >= 0 && stream_) return;
+  stream_.clear();
   stream_.open(unfinished_, std::ios::binary | std::ios::trunc);
   if (!stream_)
     throw BadInput(fmt::format("{}: cannot be written ({}); check the folder.", path_.string(), cause()));
 }
 
 FileBeside::~FileBeside() {
+  if (nameless_ >= 0) ::close(nameless_);
   if (committed_) return;
   stream_.close();
   std::error_code ignored;
@@ -92,6 +103,10 @@ void FileBeside::commit() {
   if (!stream_)
     throw BadInput(
         fmt::format("{}: writing failed ({}); free some space on the disk.", path_.string(), cause()));
+  // A name can be given to a file but not taken from another one: hence the second step.
+  if (nameless_ >= 0 && ::linkat(AT_FDCWD, of_descriptor(nameless_).c_str(), AT_FDCWD, unfinished_.c_str(),
+                                 AT_SYMLINK_FOLLOW) != 0)
+    throw BadInput(fmt::format("{}: cannot be written ({}); check the folder.", path_.string(), cause()));
   std::error_code error;
   std::filesystem::rename(unfinished_, path_, error);
   if (error)

@@ -16,7 +16,9 @@ ReadSequence read_sequence(const std::filesystem::path& path, const SequenceLimi
 // BadInput where the extension is another or the disk refuses; then the old file, if any, is still there.
 void write_sequence(const TrackedSequence& sequence, const std::filesystem::path& path);
 
-// A file under another name in the same folder, which takes its own name when it is whole.
+// A file without a name, which takes its own when it is whole: whatever ends the program before, nothing is
+// left behind. Where the file system has no such files (FAT), it is under another name in the same folder
+// meanwhile.
 class FileBeside {
  public:
   explicit FileBeside(std::filesystem::path path);  // throws BadInput where the folder refuses
@@ -31,6 +33,7 @@ class FileBeside {
   std::filesystem::path path_;
   std::filesystem::path unfinished_;
   std::ofstream stream_;
+  int nameless_ = -1;
   bool committed_ = false;
 };
 
