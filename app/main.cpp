@@ -12,6 +12,7 @@
 #include "app/bad_input.h"
 #include "app/cart_on_board.h"
 #include "app/chosen_board.h"
+#include "app/live_stream.h"
 #include "app/screen/run.h"
 #include "app/script/examination.h"
 #include "app/service_watch.h"
@@ -33,6 +34,8 @@ struct Options {
   bool headless = false;
   bool real_time = false;
   bool check = false;
+  std::optional<std::uint16_t> igtl;
+  std::string igtl_bind = "127.0.0.1";
 
   // A script needs nobody to watch it.
   bool window() const { return !headless && script.empty() && std::getenv("DISPLAY") != nullptr; }
@@ -71,12 +74,13 @@ ScreenOptions screen_options(const Options& options, const Profile& profile) {
 }
 
 void examine(const Options& options, const std::vector<script::Step>& steps, const std::string& script_name,
-             const BoardDevices& board, cart::Appliance& cart) {
+             const BoardDevices& board, cart::Appliance& cart,
+             const decltype(ScreenOptions::on_band)& on_band) {
   std::filesystem::create_directories(options.out);
   std::printf("A scripted examination on the board %s; pictures go to %s\n", board.board.c_str(),
               options.out.c_str());
   Workers workers(static_cast<int>(std::thread::hardware_concurrency()));
-  script::Stage stage{cart, board.foot, board.views, cart.clock(), workers, options.out};
+  script::Stage stage{cart, board.foot, board.views, cart.clock(), workers, options.out, on_band};
   nlohmann::ordered_json summary = script::run(steps, script_name, stage);
   summary["board"] = board.board;
   if (cart.exams() != nullptr) summary["exam"] = cart.exams()->exam_id();
@@ -114,6 +118,26 @@ ProbeOptions probe_of(const BoardDevices& board, const Profile& profile) {
   return probe;
 }
 
+// Tells what is sent, and to whom it can be heard.
+std::unique_ptr<LiveStream> make_stream(const Options& options, cart::Appliance& cart,
+                                        ScreenOptions& screen) {
+  if (!options.igtl) return nullptr;
+  exchange::IgtlSettings settings;
+  settings.port = *options.igtl;
+  settings.bind = options.igtl_bind;
+  auto stream = std::make_unique<LiveStream>(cart, settings);
+  std::printf("OpenIGTLink on %s, port %u%s\n", settings.bind.c_str(), stream->port(),
+              stream->beyond_this_machine() ? ": whoever reaches this network can see the pictures" : "");
+  std::fflush(stdout);
+  screen.on_band = [s = stream.get()](const BandImage& band, const ReslicePlane& plane, int layers) {
+    s->show_band(band, plane, layers);
+  };
+  screen.stream = [s = stream.get()] {
+    return ui::StreamStatus{true, s->beyond_this_machine(), s->port(), s->status().clients};
+  };
+  return stream;
+}
+
 int run(const Options& options) {
   const Profile profile = profile_of(options.board);
   ScreenOptions screen = screen_options(options, profile);
@@ -140,6 +164,7 @@ int run(const Options& options) {
   }
   if (!cart->memory_warning().empty()) std::fprintf(stderr, "sonoband: %s\n", cart->memory_warning().c_str());
   const ClockMember member(*clock);
+  const std::unique_ptr<LiveStream> stream = make_stream(options, *cart, screen);
   cart->start();
   if (!cart->priority_warning().empty())
     std::fprintf(stderr, "sonoband: %s\n", cart->priority_warning().c_str());
@@ -150,7 +175,7 @@ int run(const Options& options) {
     run_headless(*cart, board.foot, screen, steps, script_name);
     std::printf("Played %s; its pictures are in %s\n", script_name.c_str(), screen.shots.c_str());
   } else {
-    examine(options, steps, script_name, board, *cart);
+    examine(options, steps, script_name, board, *cart, screen.on_band);
   }
   watch.reset();  // saving the last sweep may take longer than the manager's patience
   cart->stop();
@@ -185,6 +210,14 @@ int main(int argc, char** argv) {
   app.add_option("--script", options.script,
                  "what to run without a window; app/script/script.h has its language");
   app.add_option("--out", options.out, "folder for pictures and the summary")->capture_default_str();
+  app.add_option(
+      "--igtl", options.igtl,
+      "send tracked frames, the band and the status to OpenIGTLink clients on this port; 18944 is usual, 0 "
+      "any free one");
+  app.add_option(
+         "--igtl-bind", options.igtl_bind,
+         "address to listen on; others than this machine's own loopback let the network see the pictures")
+      ->capture_default_str();
   app.add_flag("--real-time", options.real_time,
                "simulate at the speed of the clock, not as fast as possible");
   try {

@@ -25,6 +25,9 @@ struct Texts {
   Words storage = "Storage";
   Words ring = "Memory";
   Words lost = "Lost";
+  Words stream = "OpenIGTLink";
+  Words stream_here = "port {0} · {1}";
+  Words stream_network = "network {0} · {1}";
   Words scanner_rate = "{0} fps · {1} ms";
   Words frozen = "frozen";
   Words tracker_rate = "{0} Hz · {1}";

@@ -79,6 +79,14 @@ struct LossStatus {
   std::span<const LossLine> by_cause;
 };
 
+// What other programs are sent over the network.
+struct StreamStatus {
+  bool on = false;
+  bool beyond_this_machine = false;  // whoever reaches the network can see it
+  int port = 0;
+  std::uint64_t programs = 0;  // that listen
+};
+
 struct StatusView {
   ScannerStatus scanner;
   TrackerStatus tracker;
@@ -86,6 +94,7 @@ struct StatusView {
   StorageStatus storage;
   RingStatus ring;
   LossStatus losses;
+  StreamStatus stream;
 };
 
 // ---- Pages ----

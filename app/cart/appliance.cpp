@@ -185,6 +185,7 @@ void Appliance::publish_status(Stamp now) {
   s.sweeps_handed = sweeps_handed_;
   s.sweeps_refused = sweeps_refused_;
   statuses_.put(s);
+  watched_.put(s);
 }
 
 const ApplianceStatus& Appliance::status() {

@@ -94,6 +94,9 @@ class Appliance {
   [[nodiscard]] bool command(Command command) { return commands_.try_emplace(command); }
   // Owner. The newest status; valid until the next call.
   const ApplianceStatus& status();
+  // One other thread, always the same: the newest status, `saving` aside; valid until the next call. Null:
+  // none since the last call.
+  const ApplianceStatus* watch() { return watched_.take(); }
   // Owner. Sweeps as they start, oldest first; each grows until its release. Drop it to give its memory back.
   std::optional<Sweep> take_sweep();
 
@@ -133,6 +136,7 @@ class Appliance {
   SpscQueue<Command> commands_{16};
   SpscQueue<Sweep> sweeps_{16};
   Latest<ApplianceStatus> statuses_;
+  Latest<ApplianceStatus> watched_;
   ApplianceStatus status_;  // the owner's
 
   std::string priority_warning_;

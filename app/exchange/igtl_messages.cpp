@@ -49,29 +49,43 @@ void fill(igtl::Matrix4x4& m, const Eigen::Matrix3d& linear, const Eigen::Vector
   m[3][3] = 1;
 }
 
-}  // namespace
-
-IgtlBytes igtl_image(const std::string& name, std::int64_t utc_ns, ConstPixels pixels,
-                     const Affine<frame::World, frame::Image>& world_from_image) {
+// All but the pixels and the name.
+igtl::ImageMessage::Pointer placed_image(int width, int height, int channels,
+                                         const Affine<frame::World, frame::Image>& world_from_image) {
   const auto message = igtl::ImageMessage::New();
   const Eigen::Matrix3d& linear = world_from_image.linear;
   const double x_mm = linear.col(0).norm();
   const double y_mm = linear.col(1).norm();
   Eigen::Matrix3d unit;
   unit << linear.col(0) / x_mm, linear.col(1) / y_mm, linear.col(0).cross(linear.col(1)).normalized();
-  const Eigen::Vector3d middle = world_from_image.translation + linear.col(0) * (pixels.width - 1) / 2 +
-                                 linear.col(1) * (pixels.height - 1) / 2;
-  message->SetDimensions(pixels.width, pixels.height, 1);
+  const Eigen::Vector3d middle =
+      world_from_image.translation + linear.col(0) * (width - 1) / 2 + linear.col(1) * (height - 1) / 2;
+  message->SetDimensions(width, height, 1);
   message->SetSpacing(static_cast<float>(x_mm), static_cast<float>(y_mm), static_cast<float>(x_mm));
   message->SetScalarTypeToUint8();
-  message->SetNumComponents(1);
+  message->SetNumComponents(channels);
   message->SetCoordinateSystem(igtl::ImageMessage::COORDINATE_RAS);
   igtl::Matrix4x4 m;
   fill(m, unit, middle);
   message->SetMatrix(m);
   message->AllocateScalars();
+  return message;
+}
+
+}  // namespace
+
+IgtlBytes igtl_image(const std::string& name, std::int64_t utc_ns, ConstPixels pixels,
+                     const Affine<frame::World, frame::Image>& world_from_image) {
+  const auto message = placed_image(pixels.width, pixels.height, 1, world_from_image);
   auto* to = static_cast<std::uint8_t*>(message->GetScalarPointer());
   for (int y = 0; y < pixels.height; ++y, to += pixels.width) std::memcpy(to, pixels.row(y), pixels.width);
+  return packed(*message, name, utc_ns);
+}
+
+IgtlBytes igtl_image(const std::string& name, std::int64_t utc_ns, const PngPicture& picture,
+                     const Affine<frame::World, frame::Image>& world_from_image) {
+  const auto message = placed_image(picture.width, picture.height, picture.channels, world_from_image);
+  std::memcpy(message->GetScalarPointer(), picture.bytes.data(), picture.bytes.size());
   return packed(*message, name, utc_ns);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "app/exchange/png.h"
 #include "core/geometry/transforms.h"
 #include "core/image/image.h"
 #include "core/time.h"
@@ -24,6 +25,9 @@ using IgtlBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 // IMAGE: one byte a pixel, and where it lies. The protocol's origin is the picture's middle; columns that are
 // not at right angles go along as they are.
 IgtlBytes igtl_image(const std::string& name, std::int64_t utc_ns, ConstPixels pixels,
+                     const Affine<frame::World, frame::Image>& world_from_image);
+// The same of a picture as people see it; colours as three bytes a pixel.
+IgtlBytes igtl_image(const std::string& name, std::int64_t utc_ns, const PngPicture& picture,
                      const Affine<frame::World, frame::Image>& world_from_image);
 IgtlBytes igtl_transform(const std::string& name, std::int64_t utc_ns, const Eigen::Matrix3d& linear,
                          const Eigen::Vector3d& translation);

@@ -96,6 +96,14 @@ void IgtlServer::publish(const IgtlFrame& f) {
   ::eventfd_write(wake_, 1);
 }
 
+void IgtlServer::keep(const std::string& name, IgtlBytes message) {
+  {
+    const std::lock_guard lock(mutex_);
+    kept_[name] = message;
+  }
+  publish(std::move(message));
+}
+
 void IgtlServer::set_status(bool good, const std::string& sentence) {
   const IgtlBytes message = igtl_status("Sonoband", 0, good, sentence);
   {
@@ -154,6 +162,7 @@ void IgtlServer::take_clients() {
     clients_.push_back(std::make_unique<Client>(s));
     const std::lock_guard lock(mutex_);
     if (status_message_) give(*clients_.back(), status_message_);
+    for (const auto& [name, message] : kept_) give(*clients_.back(), message);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -55,8 +56,10 @@ class IgtlServer {
   // Any thread; these never wait for a client. IMAGE `image`, TRANSFORM ImageTo<world> and ProbeToTracker to
   // all; TDATA to those who asked for it, as often as they asked.
   void publish(const IgtlFrame& frame);
-  // To all, for example a band made with igtl_image.
+  // To all.
   void publish(IgtlBytes message);
+  // To all, and to whoever connects later: the newest of this name, for example a band.
+  void keep(const std::string& name, IgtlBytes message);
   // Answers GET_STATUS from now on, and goes to all when it changes.
   void set_status(bool good, const std::string& sentence);
 
@@ -85,6 +88,7 @@ class IgtlServer {
   mutable std::mutex mutex_;                      // held for moments
   std::vector<Waiting> published_;
   IgtlBytes status_message_;
+  std::map<std::string, IgtlBytes> kept_;
   IgtlStatus status_;
   std::atomic<bool> anyone_{false};
   std::atomic<bool> trackers_{false};

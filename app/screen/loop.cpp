@@ -124,6 +124,7 @@ bool ScreenLoop::listen(Stamp now) {
   }
   follow_sweep(now);
   session_.tick(now);
+  hand_on_band();
   if (!next_numbers_ || now >= *next_numbers_) {
     next_numbers_ = now + numbers_every;
     news = true;
@@ -133,6 +134,15 @@ bool ScreenLoop::listen(Stamp now) {
     news = news || (lease && lease.frame().tracked.captured != drawn_picture_);
   }
   return news || session_.moving() || session_.changed() || screen_.wants_frame() || rendered();
+}
+
+void ScreenLoop::hand_on_band() {
+  if (!options_.on_band) return;
+  const auto result = worker_.newest();
+  // A coarse one is gone in a moment.
+  if (!result || !result->planar || result->planar->coarse || result->planar->version == handed_band_) return;
+  handed_band_ = result->planar->version;
+  options_.on_band(result->planar->band, result->planar->plane, result->planar->layers);
 }
 
 bool ScreenLoop::rendered() const {
@@ -189,6 +199,7 @@ void ScreenLoop::fill(Stamp now) {
   const double minutes = static_cast<double>(disk_bytes_) / (fps * ring.width * ring.height * 60);
   fill_status(status, sweep_ledger_, minutes, fps, ring.slots, losses_, view_.status);
   view_.status.pedal.mode = session_.pedal_mode();
+  if (options_.stream) view_.status.stream = options_.stream();
   fill_live(now, fps);
   view_.set_up.version = options_.version;
   if (cart_.exams() != nullptr) {

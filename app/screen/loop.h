@@ -68,6 +68,7 @@ class ScreenLoop {
   };
   void fill(Stamp now);
   void fill_live(Stamp now, double fps);
+  void hand_on_band();
   void take_snapshot(ui::Window window);
   void carry_out(const ui::Command& command);
   void press(bool down);
@@ -100,6 +101,7 @@ class ScreenLoop {
   Stamp noted_{};
   Stamp drawn_picture_{};
   std::uint64_t drawn_result_ = 0;
+  std::uint64_t handed_band_ = 0;
   std::optional<Stamp> next_numbers_;
   std::optional<Motion> motion_;
   double speed_mm_s_ = 0;

@@ -140,6 +140,7 @@ std::shared_ptr<PlanarPicture> RenderWorker::paint(const RenderRequest& job, Pre
   out->version = ++pictures_;
   out->coarse = job.coarse;
   out->plane = job.coarse ? halved(job.plane) : job.plane;
+  out->layers = settings_of(job).band.layers();
   out->band = render_planar(sweep, out->plane, settings_of(job), parallel, &overtaken_);
   out->ms = ms_since(begun);
   return out;

@@ -46,6 +46,7 @@ struct Stretch {
 struct PlanarPicture {
   BandImage band;
   ReslicePlane plane;  // that it was rendered for
+  int layers = 0;
   double ms = 0;
   bool coarse = false;
   std::uint64_t version = 0;  // ascending

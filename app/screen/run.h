@@ -9,7 +9,10 @@
 #include "app/cart/appliance.h"
 #include "app/script/script.h"
 #include "board/profile.h"
+#include "core/geometry/plane.h"
+#include "core/reslice/band.h"
 #include "ui/rect.h"
+#include "ui/view.h"
 
 namespace sonoband {
 
@@ -35,6 +38,10 @@ struct ScreenOptions {
   PedalMode pedal = PedalMode::hold;
   ProbeOptions probe;
   std::string version;
+  // Gets every band that is shown whole, on the screen's thread. May be empty.
+  std::function<void(const BandImage& band, const ReslicePlane& plane, int layers)> on_band;
+  // What is sent to other programs, for the status bar. Empty: nothing is.
+  std::function<ui::StreamStatus()> stream;
 };
 
 // Presses the cart's simulated pedal (true: down). Empty where the pedal is real: then the screen's button

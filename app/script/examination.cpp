@@ -134,6 +134,7 @@ class Runner {
     const auto start = std::chrono::steady_clock::now();
     const BandImage image = render_planar(sweep, chosen.plane, settings, stage_.workers);
     keep(render, image, settings, chosen.plane.pixel_mm, start);
+    if (stage_.on_band) stage_.on_band(image, chosen.plane, settings.band.layers());
   }
 
   void act(const Manifold& manifold) {

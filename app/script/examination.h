@@ -9,7 +9,9 @@
 #include "app/cart/appliance.h"
 #include "app/script/script.h"
 #include "board/devices.h"
+#include "core/geometry/plane.h"
 #include "core/parallel.h"
+#include "core/reslice/band.h"
 #include "hal/clock.h"
 
 namespace sonoband::script {
@@ -21,6 +23,8 @@ struct Stage {
   Clock& clock;
   Parallel& workers;
   std::filesystem::path out;  // exists; pictures go here
+  // Gets every planar band that is painted. May be empty.
+  std::function<void(const BandImage& band, const ReslicePlane& plane, int layers)> on_band = {};
 };
 
 // On the cart's clock, by a thread that is its member. Gives {"sweeps": [...], "pictures": [...], "ledger":

@@ -1,3 +1,5 @@
+#include <span>
+
 #include "ui/controls.h"
 #include "ui/panels/lamps.h"
 #include "ui/panels/panels.h"
@@ -32,20 +34,23 @@ void draw_status_bar(Ui& ui, const Rect& r, const View& view) {
     Lamp lamp;
     command::OpenSheet opens;
   };
-  const Entry entries[] = {
+  const Entry all_entries[] = {
       {"status/scanner", t.scanner, scanner_lamp(s.scanner, t), {Sheet::source, Source::scanner}},
       {"status/tracker", t.tracker, tracker_lamp(s.tracker, t), {Sheet::source, Source::tracker}},
       {"status/pedal", t.pedal, pedal_lamp(s.pedal, t), {Sheet::source, Source::pedal}},
       {"status/storage", t.storage, storage_lamp(s.storage, t), {Sheet::source, Source::storage}},
       {"status/ring", t.ring, ring_lamp(s.ring, t), {Sheet::source, Source::ring}},
       {"status/lost", t.lost, loss_lamp(s.losses, t), {Sheet::losses, Source::scanner}},
+      {"status/stream", t.stream, stream_lamp(s.stream, t), {Sheet::none, Source::scanner}},
   };
+  // Most carts send nothing.
+  const auto entries = std::span(all_entries).first(s.stream.on ? 7 : 6);
   Rect rest = r.inset(ui.px(8), 0);
   const float claim = ui.draw.width_of(Type::small, t.research_only) + ui.px(16);
   // Wide lamps for the ones that say more; on a narrow screen all shrink alike and the claim goes.
-  constexpr float units[] = {168, 172, 156, 112, 112, 132};
+  constexpr float units[] = {168, 172, 156, 112, 112, 132, 156};
   float all = 0;
-  for (const float u : units) all += ui.px(u);
+  for (std::size_t k = 0; k < entries.size(); ++k) all += ui.px(units[k]);
   if (rest.width >= all + claim) {
     ui.draw.text_in(rest.cut_right(claim).inset(ui.px(8), 0), Align::right, Type::small, colour::ink_quiet,
                     t.research_only);
@@ -58,7 +63,7 @@ void draw_status_bar(Ui& ui, const Rect& r, const View& view) {
     if (ui.finger.down && ui.finger.target == id)
       ui.draw.fill(place.inset(0, ui.px(4)), colour::raised, ui.px(8));
     for (const Gesture& g : ui.gestures) {
-      if (g.kind == Gesture::Kind::tap && g.target == id) ui.send(e.opens);
+      if (g.kind == Gesture::Kind::tap && g.target == id && e.opens.sheet != Sheet::none) ui.send(e.opens);
     }
     ui.draw.disc({place.x + ui.px(15), place.centre().y}, ui.px(7), e.lamp.colour);
     place.cut_left(ui.px(30));

@@ -107,6 +107,12 @@ Lamp loss_lamp(const LossStatus& s, const Texts& t) {
   return {c, Line(t.lost_of, {count(s.lost), count(s.of)})};
 }
 
+Lamp stream_lamp(const StreamStatus& s, const Texts& t) {
+  return {
+      s.beyond_this_machine ? colour::warning : colour::good,
+      Line(s.beyond_this_machine ? t.stream_network : t.stream_here, {number(s.port, 0), count(s.programs)})};
+}
+
 Fault worst_fault(const View& view, const Texts& t) {
   const StatusView& s = view.status;
   const auto cure = [](std::string_view reason, std::string_view otherwise) {

@@ -20,6 +20,7 @@ Lamp pedal_lamp(const PedalStatus& s, const Texts& t);
 Lamp storage_lamp(const StorageStatus& s, const Texts& t);
 Lamp ring_lamp(const RingStatus& s, const Texts& t);
 Lamp loss_lamp(const LossStatus& s, const Texts& t);
+Lamp stream_lamp(const StreamStatus& s, const Texts& t);
 
 // What is wrong now and matters most: shown across the page, with the cure.
 struct Fault {

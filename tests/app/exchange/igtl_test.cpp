@@ -53,8 +53,7 @@ class Client {
   igtl::MessageHeader::Pointer next() {
     auto head = igtl::MessageHeader::New();
     head->InitPack();
-    bool timeout = false;
-    const auto got = socket_->Receive(head->GetPackPointer(), head->GetPackSize(), timeout);
+    const auto got = socket_->Receive(head->GetPackPointer(), head->GetPackSize());
     if (static_cast<int>(got) != head->GetPackSize()) return nullptr;
     head->Unpack();
     return head;
@@ -64,8 +63,7 @@ class Client {
     auto message = Message::New();
     message->SetMessageHeader(head);
     message->AllocatePack();
-    bool timeout = false;
-    socket_->Receive(message->GetPackBodyPointer(), message->GetPackBodySize(), timeout);
+    socket_->Receive(message->GetPackBodyPointer(), static_cast<int>(message->GetPackBodySize()));
     EXPECT_NE(message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY, 0) << "the checksum is wrong";
     return message;
   }

@@ -1,6 +1,11 @@
 #include "app/exchange/sequence_file.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "tests/app/exchange/sequence_samples.h"
 
@@ -127,6 +132,34 @@ INSTANTIATE_TEST_SUITE_P(
         Fixture{"fixtures/TransformInterpolationTest.igs.mha", 1, 1, 500, 1, ElementType::uint8, 0},
         Fixture{"fixtures/UsSimulatorOutputSpinePhantom2CurvilinearBaselineNoUSCompressed.igs.mha", 1, 1, 15,
                 1, ElementType::uint8, 0}));
+
+// Whatever ends the program, however suddenly, leaves no half file and no other name behind.
+TEST_F(SequenceFile, AFileThatIsNotWholeHasNoName) {
+  const ::pid_t child = ::fork();
+  if (child == 0) {
+    exchange::FileBeside file(folder_ / "a.mha");
+    file.stream() << std::string(1 << 20, 'x') << std::flush;
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(files(), 0);
+  {
+    exchange::FileBeside file(folder_ / "a.mha");
+    file.stream() << "old";
+    file.commit();
+  }
+  exchange::FileBeside file(folder_ / "a.mha");
+  file.stream() << "new";
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "a.mha"), 3u);
+  file.commit();
+  std::ifstream in(folder_ / "a.mha");
+  std::string text;
+  in >> text;
+  EXPECT_EQ(text, "new");
+  EXPECT_EQ(files(), 1);
+}
 
 }  // namespace
 }  // namespace sonoband::test
