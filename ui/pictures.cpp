@@ -98,6 +98,7 @@ void Pictures::show(Slot slot, const Picture& picture) {
   Held& held = held_[static_cast<std::size_t>(slot)];
   if (picture.version == 0 || picture.pixels.empty()) {
     held.version = 0;
+    held.to_send = {};
     return;
   }
   const bool covered = !picture.coverage.empty() && picture.coverage.width == picture.pixels.width &&
@@ -106,6 +107,28 @@ void Pictures::show(Slot slot, const Picture& picture) {
   const int width = std::min(picture.pixels.width, largest_side);
   const int height = std::min(picture.pixels.height, largest_side);
 
+  held.has_room =
+      held.has_room && held.width == width && held.height == height && held.has_coverage == covered;
+  held.width = width;
+  held.height = height;
+  held.kind = picture.kind;
+  held.has_coverage = covered;
+  held.version = picture.version;
+  held.to_send = picture;
+}
+
+void Pictures::send() {
+  for (Held& held : held_) {
+    if (held.to_send.version != 0) send(held);
+    held.to_send = {};
+  }
+}
+
+void Pictures::send(Held& held) {
+  const Picture& picture = held.to_send;
+  const int width = held.width;
+  const int height = held.height;
+  const bool covered = held.has_coverage;
   const bool fresh = held.texture == 0;
   if (fresh) glGenTextures(1, &held.texture);
   glActiveTexture(GL_TEXTURE0);
@@ -114,8 +137,6 @@ void Pictures::show(Slot slot, const Picture& picture) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
-  const bool same_shape =
-      !fresh && held.width == width && held.height == height && held.has_coverage == covered;
   const GLenum format = covered ? GL_RG : GL_RED;
   const void* bytes = picture.pixels.data;
   if (covered) {
@@ -134,7 +155,7 @@ void Pictures::show(Slot slot, const Picture& picture) {
     glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(picture.pixels.stride));
   }
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  if (same_shape) {
+  if (held.has_room) {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, format, GL_UNSIGNED_BYTE, bytes);
   } else {
     glTexImage2D(GL_TEXTURE_2D, 0, covered ? GL_RG8 : GL_R8, width, height, 0, format, GL_UNSIGNED_BYTE,
@@ -143,11 +164,7 @@ void Pictures::show(Slot slot, const Picture& picture) {
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   ++uploads_;
-  held.width = width;
-  held.height = height;
-  held.kind = picture.kind;
-  held.has_coverage = covered;
-  held.version = picture.version;
+  held.has_room = true;
 }
 
 void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,

@@ -44,8 +44,10 @@ class Pictures {
   Pictures(const Pictures&) = delete;
   Pictures& operator=(const Pictures&) = delete;
 
-  // Sends the picture if it differs from what the slot holds. Pictures larger than 4096 on a side are cut.
+  // From now on the slot has this picture, which is sent with the next `send` if it differs from what the
+  // slot holds; until then it is borrowed. Pictures larger than 4096 on a side are cut.
   void show(Slot slot, const Picture& picture);
+  void send();
 
   bool has(Slot slot) const { return at(slot).version != 0; }
   int width(Slot slot) const { return at(slot).width; }
@@ -69,7 +71,10 @@ class Pictures {
     PixelKind kind = PixelKind::grey;
     bool has_coverage = false;
     std::uint64_t version = 0;
+    bool has_room = false;  // the texture is of this size and kind
+    Picture to_send;        // version 0: nothing
   };
+  void send(Held& held);
   const Held& at(Slot slot) const { return held_[static_cast<std::size_t>(slot)]; }
 
   std::array<Held, slot_count> held_{};

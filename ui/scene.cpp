@@ -3,6 +3,7 @@
 #include <GLES3/gl3.h>
 
 #include <cstring>
+#include <utility>
 
 #include "ui/gl.h"
 
@@ -319,17 +320,31 @@ void Scene::draw_lines(unsigned buffer, int count, float fade) const {
 unsigned Scene::render(const SceneInput& input, int width, int height, float line_px) {
   width = std::clamp(width, 1, 4096);
   height = std::clamp(height, 1, 4096);
-  const OutlineView eye = view(input, {0, 0, static_cast<float>(width), static_cast<float>(height)});
   const Key key{input.frames_version, input.band_version, hash_of(input), input.current, width, height,
                 input.orbit,          input.look};
   if (drawn_once_ && key == drawn_) return texture_;
   drawn_ = key;
   drawn_once_ = true;
-  ++renders_;
-
+  asked_ = input;
+  asked_line_px_ = line_px;
+  waits_ = true;
   GLint bound = 0;
   glGetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
   make_target(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+  return texture_;
+}
+
+void Scene::draw() {
+  if (!waits_) return;
+  waits_ = false;
+  ++renders_;
+  const SceneInput input = std::exchange(asked_, {});
+  const int width = width_;
+  const int height = height_;
+  const OutlineView eye = view(input, {0, 0, static_cast<float>(width), static_cast<float>(height)});
+  GLint bound = 0;
+  glGetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
   glBindFramebuffer(GL_FRAMEBUFFER, target_);
   glViewport(0, 0, width, height);
   glDisable(GL_SCISSOR_TEST);
@@ -394,7 +409,7 @@ unsigned Scene::render(const SceneInput& input, int width, int height, float lin
   draw_lines(frame_buffer_, frame_lines_, fade);
   glDepthMask(GL_TRUE);
 
-  add_marks(input, line_px);
+  add_marks(input, asked_line_px_);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, mark_buffer_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(lines_.size() * sizeof(Line)), lines_.data(),
@@ -426,7 +441,6 @@ unsigned Scene::render(const SceneInput& input, int width, int height, float lin
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_);
   glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
-  return texture_;
 }
 
 }  // namespace sonoband::ui

@@ -44,9 +44,11 @@ class Scene {
   // The view the picture is made for, in pixels of a window at (0,0) of this size.
   OutlineView view(const SceneInput& input, const Rect& window);
 
-  // The texture of the scene `width` x `height`; rows from the bottom. Restores the framebuffer that was
-  // bound.
+  // The texture of the scene `width` x `height`; rows from the bottom. `draw` fills it; until then what the
+  // input borrows must stay.
   unsigned render(const SceneInput& input, int width, int height, float line_px);
+  // Draws what was last asked for, if something in it has changed. Restores the framebuffer that was bound.
+  void draw();
 
   std::uint64_t renders() const { return renders_; }  // since the start
 
@@ -83,6 +85,9 @@ class Scene {
   std::uint64_t sweep_version_ = 0;
   Key drawn_;
   bool drawn_once_ = false;
+  SceneInput asked_;  // until it is drawn
+  float asked_line_px_ = 1;
+  bool waits_ = false;
   std::vector<Line> lines_;
   std::vector<Corner> corners_;
   unsigned line_program_ = 0, face_program_ = 0, band_program_ = 0;

@@ -216,6 +216,8 @@ const Commands& Screen::build(const View& view, const Input& input, Stamp now, V
 void Screen::submit() {
   Parts& p = *parts_;
   ImGui::SetCurrentContext(p.context);
+  p.pictures->send();
+  p.scene->draw();
   glViewport(0, 0, static_cast<GLsizei>(p.frame.screen_width), static_cast<GLsizei>(p.frame.screen_height));
   glDisable(GL_SCISSOR_TEST);
   glClearColor(0, 0, 0, 1);

@@ -10,6 +10,7 @@
 #include "app/bad_input.h"
 #include "app/exchange/png.h"
 #include "app/screen/fonts.h"
+#include "app/thread_time.h"
 
 namespace sonoband {
 namespace {
@@ -218,22 +219,21 @@ void ScreenLoop::fill(Stamp now) {
 }
 
 void ScreenLoop::draw(const ui::Input& input, Stamp now) {
-  using Steady = std::chrono::steady_clock;
-  const auto t0 = Steady::now();
+  const Duration t0 = thread_time();
   fill(now);
-  const auto t1 = Steady::now();
+  const Duration t1 = thread_time();
   surface_.begin_frame();
   const ui::Commands& commands = screen_.build(view_, input, now, surface_.size_px());
-  const auto t2 = Steady::now();
+  const Duration t2 = thread_time();
   screen_.submit();
-  const auto t3 = Steady::now();
+  const Duration t3 = thread_time();
   for (const ui::Command& command : commands) carry_out(command);
   if (input.close) quits_ = true;
   // At once, not with the next frame: the worker paints while this one is shown.
   session_.ask_if_changed();
   if (const auto window = session_.take_snapshot()) take_snapshot(*window);
   lease_ = {};
-  times_ = {t1 - t0, t2 - t1, t3 - t2, Steady::now() - t3};
+  times_ = {t1 - t0, t2 - t1, t3 - t2, thread_time() - t3};
   surface_.end_frame();
 }
 

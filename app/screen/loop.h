@@ -34,7 +34,7 @@ class ScreenLoop {
   // How long nothing can be missed by sleeping, input and finished renderings aside.
   Duration may_sleep() const;
 
-  // What the last draw took, for the speed table.
+  // What the last draw took of this thread's processor time, for the speed table.
   struct Times {
     Duration view{};    // the cart's and the session's news into the view
     Duration panels{};  // the panels' drawing commands

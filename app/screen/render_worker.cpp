@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "app/thread_time.h"
 #include "app/workers.h"
 
 namespace sonoband {
@@ -108,7 +109,7 @@ void RenderWorker::ask(RenderRequest request) {
     ++counts_.asked;
     if (next_) ++counts_.given_up;
     next_ = std::move(request);
-    overtaken_ = true;
+    if (working_ && !finishes_) overtaken_ = true;
   }
   wake_.notify_all();
 }
@@ -136,6 +137,7 @@ RenderWorker::Counts RenderWorker::counts() const {
 std::shared_ptr<PlanarPicture> RenderWorker::paint(const RenderRequest& job, PreparedSweep& sweep,
                                                    Parallel& parallel) {
   const auto begun = SteadyClock::now();
+  const Duration worked = thread_time();
   auto out = std::make_shared<PlanarPicture>();
   out->version = ++pictures_;
   out->coarse = job.coarse;
@@ -143,6 +145,7 @@ std::shared_ptr<PlanarPicture> RenderWorker::paint(const RenderRequest& job, Pre
   out->layers = settings_of(job).band.layers();
   out->band = render_planar(sweep, out->plane, settings_of(job), parallel, &overtaken_);
   out->ms = ms_since(begun);
+  out->thread_ms = seconds(thread_time() - worked) * 1e3;
   return out;
 }
 
@@ -211,7 +214,8 @@ void RenderWorker::serve() {
       job = std::move(*next_);
       next_.reset();
       working_ = true;
-      overtaken_ = false;
+      finishes_ = overtaken_;  // the one before was given up
+      overtaken_ = ending_;
     }
     auto result = render(job, kept, parallel);
     {

@@ -1,5 +1,6 @@
 // Renders bands for the screen on a thread of its own: one job at a time, the newest wins, and a job in
-// flight is given up when a newer one comes. Nobody waits for it.
+// flight is given up when a newer one comes, but never two in a row: a finger that asks faster than a band is
+// painted would see none until it rests. Nobody waits for it.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,6 +49,7 @@ struct PlanarPicture {
   ReslicePlane plane;  // that it was rendered for
   int layers = 0;
   double ms = 0;
+  double thread_ms = 0;  // processor time of the worker's own thread, which does its share of the work
   bool coarse = false;
   std::uint64_t version = 0;  // ascending
 };
@@ -126,6 +128,7 @@ class RenderWorker {
   std::shared_ptr<const RenderResult> newest_;
   Counts counts_;
   bool working_ = false;
+  bool finishes_ = false;       // the job in flight is painted to its end
   std::uint64_t pictures_ = 0;  // begun; the worker's own
   bool ending_ = false;
   StopFlag overtaken_{false};

@@ -1,5 +1,8 @@
 // The speed of the screen over a scripted minute: acquisition at 60 pictures a second in real time, on the
 // software rasteriser, as a table. screen_bench [SECONDS]
+//
+// "cpu" is processor time of the screen's thread, which other work on the machine does not change. The
+// rasteriser is told to work on that thread, so that its share is in it.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,6 +15,7 @@
 
 #include "app/cart_on_board.h"
 #include "app/screen/loop.h"
+#include "app/thread_time.h"
 #include "tests/support/allocation_counter.h"
 #include "ui/host/headless.h"
 
@@ -78,6 +82,10 @@ class Hand {
   bool held_ = false;
 };
 
+double ms(Duration d) {
+  return sonoband::seconds(d) * 1e3;
+}
+
 void measure(double length_s) {
   auto clock = std::make_shared<SystemClock>();
   Profile profile;
@@ -89,17 +97,24 @@ void measure(double length_s) {
     ui::HeadlessSurface surface(1280, 800);
     ScreenLoop loop(*cart, board.foot, {}, surface);
     Hand hand(*cart, board.foot, loop);
-    Series view{"the cart's news into the view, ms", {}}, panels{"panels built, ms", {}};
-    Series frames{"a whole frame with the rasteriser, ms", {}},
-        outside{"a frame outside the rasteriser, ms", {}};
+    Series view{"the cart's news into the view, cpu ms", {}}, panels{"panels built, cpu ms", {}};
+    Series outside{"a frame outside the rasteriser, cpu ms", {}};
+    Series live_frames{"a frame of Live with the rasteriser, cpu ms", {}};
+    Series review_frames{"a frame of Review with the rasteriser, cpu ms", {}};
+    Series frames{"a whole frame by the clock, ms", {}};
     Series band{"finger event to the frame with the new band, ms", {}};
-    Series render{"of that, the 14 mm band on the render thread, ms", {}};
+    Series band_cpu{"of that, outside the rasteriser: screen + render, cpu ms", {}};
+    Series render{"of that, the 14 mm band on the render thread, cpu ms", {}};
+    Series first{"the first frame: fonts and shaders are made, cpu ms", {}};
+    Series still{"while dragging: frames drawn from one band to the next", {}};
     Series age{"live: age of the newest picture when drawn, ms", {}};
     Series heap{"live and review: allocations of a frame", {}};
     ui::Input input;
     const auto begun = Steady::now();
     Steady::time_point event{};
     bool waiting = false;  // for the band of the finger at `event`
+    double worked = 0;     // cpu ms outside the rasteriser since then
+    int without = 0;       // frames drawn since the last new band
     std::uint64_t shown = 0, awaited = 0;
     auto next = begun;
     for (double t = 0; t < length_s; t = std::chrono::duration<double>(Steady::now() - begun).count()) {
@@ -109,32 +124,49 @@ void measure(double length_s) {
       if (news || !input.empty()) {
         const bool finger = hand.dragging() && !input.empty();
         const auto start = Steady::now();
+        const Duration cpu = thread_time();
         const std::uint64_t asked = loop.worker().counts().asked;
+        double allocations = 0;
         {
           const test::AllocationCounter counter;
           loop.draw(input, now);
-          heap.add(static_cast<double>(counter.count()));
+          allocations = static_cast<double>(counter.count());
         }
         // llvmpipe draws when it is asked for the result.
         surface.finish();
         const auto end = Steady::now();
+        const double frame_cpu = ms(thread_time() - cpu);
         const auto& times = loop.times();
-        view.add(Ms(times.view).count());
-        panels.add(Ms(times.panels).count());
-        outside.add(Ms(times.view + times.panels + times.commands).count());
+        if (first.values.empty()) {
+          first.add(frame_cpu);
+          input.clear();
+          continue;
+        }
+        heap.add(allocations);
+        view.add(ms(times.view));
+        panels.add(ms(times.panels));
+        outside.add(ms(times.view + times.panels + times.commands));
+        worked += ms(times.view + times.panels + times.commands);
+        const bool live = loop.session().page() == ui::Page::live;
+        (live ? live_frames : review_frames).add(frame_cpu);
+        ++without;
         frames.add(Ms(end - start).count());
         if (loop.session().page() == ui::Page::live) age.add(loop.view().status.scanner.age_ms);
         const auto result = loop.worker().newest();
         if (result && result->version != shown) {
           shown = result->version;
+          if (hand.dragging() && waiting) still.add(without);
+          without = 0;
           if (waiting && shown > awaited) {
             band.add(Ms(end - event).count());
-            render.add(result->planar->ms);
+            band_cpu.add(worked + result->planar->thread_ms);
+            render.add(result->planar->thread_ms);
             waiting = false;
           }
         }
         if (finger && !waiting && loop.worker().counts().asked != asked) {
           event = start;
+          worked = ms(times.view + times.panels + times.commands);
           waiting = true;
           awaited = shown;
         }
@@ -146,7 +178,9 @@ void measure(double length_s) {
     std::printf("| %-58s | %7s | %7s | %7s | %6s |\n|%s|--------:|--------:|--------:|-------:|\n",
                 "1280 x 800, acquisition at 60 a second", "p50", "p95", "worst", "n",
                 std::string(60, '-').c_str());
-    for (Series* s : {&view, &panels, &outside, &frames, &band, &render, &age, &heap}) s->print();
+    for (Series* s : {&view, &panels, &outside, &live_frames, &review_frames, &first, &frames, &band,
+                      &band_cpu, &render, &still, &age, &heap})
+      s->print();
     const LossLedger& ledger = cart->status().cart.acquisition.ledger;
     const auto over =
         std::count_if(frames.values.begin(), frames.values.end(), [](double ms) { return ms > 50; });
@@ -166,6 +200,7 @@ void measure(double length_s) {
 }  // namespace sonoband
 
 int main(int argc, char** argv) {
+  ::setenv("LP_NUM_THREADS", "0", 1);
   const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 60;
   try {
     sonoband::measure(seconds > 0 ? seconds : 60);

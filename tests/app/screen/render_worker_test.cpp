@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "tests/support/test_sweep.h"
 
@@ -138,6 +140,32 @@ TEST(RenderWorker, TheNewestOfManyWinsAndNoneIsHalfAPicture) {
   EXPECT_EQ(counts.asked, static_cast<std::uint64_t>(many));
   EXPECT_EQ(counts.done + counts.given_up, counts.asked);
   EXPECT_GT(counts.given_up, 0u);
+}
+
+// A finger that asks every millisecond for what takes far longer: bands come all the same while it moves.
+TEST(RenderWorker, AFingerThatNeverRestsSeesBands) {
+  const TestSweep sweep = make_sweep();
+  RenderRequest request = request_on(sweep);
+  request.plane.width *= 4;
+  request.plane.height *= 4;
+  request.plane.pixel_mm /= 4;
+  request.settings.band.step_mm /= 4;
+  request.settings.band.thickness_mm = 40;
+  RenderWorker worker(1);
+  std::uint64_t while_moving = 0;
+  for (int i = 0; i < 3000 && while_moving < 3; ++i) {
+    request.plane.origin.v.x() += 0.001;
+    worker.ask(request);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto newest = worker.newest();
+    while_moving = newest ? newest->version : 0;
+  }
+  EXPECT_GE(while_moving, 3u);
+  worker.wait();
+  const auto last = worker.newest();
+  EXPECT_EQ(last->planar->plane.origin.v.x(), request.plane.origin.v.x());
+  const auto counts = worker.counts();
+  EXPECT_EQ(counts.done + counts.given_up, counts.asked);
 }
 
 TEST(RenderWorker, LetsGoOfTheSweepOnceItIsPainted) {
