@@ -68,6 +68,7 @@ void write_pictures(const exchange::ExportedSweep& sweep, const fs::path& stem, 
     std::snprintf(number, sizeof number, "-%05d.png", i);
     exchange::write_png(picture, stem.string() + number);
   }
+  std::printf("%s-*.png, %d pictures\n", stem.c_str(), s.frame_count());
 }
 
 void export_dicom(const Options& options, const exam::ExamReader& exam) {

@@ -245,6 +245,12 @@ TEST_F(ExamVerbs, WritesPictures) {
   const ToolRun run = run_tool({"export", file, "--to", path("png"), "--format", "png", "--sweep", "1"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(std::filesystem::exists(path("png/20260102-030405-beef-sweep1-00023.png")));
+  EXPECT_NE(run.out.find("24 pictures"), std::string::npos) << run.out;
+  // On the machine's own disk there is nothing to pull.
+  const ToolRun eject = run_tool({"export", file, "--to", path("png"), "--format", "review", "--eject"});
+  EXPECT_EQ(eject.exit_code, 1);
+  EXPECT_NE(eject.err.find("no disk that can be pulled"), std::string::npos) << eject.err;
+  EXPECT_EQ(run_tool({"places", "--json"}).exit_code, 0);
   EXPECT_EQ(run_tool({"export", file, "--to", path("png"), "--sweep", "9"}).exit_code, 1);
 }
 

@@ -27,7 +27,10 @@ class Removable : public ::testing::Test {
     fs::create_directories(folder / "labels");
     sources = {folder / "mountinfo", folder / "sys", folder / "labels"};
   }
-  ~Removable() override { fs::remove_all(folder); }
+  ~Removable() override {
+    std::error_code none;
+    fs::remove_all(folder, none);
+  }
 
   // A disk at `where` below sysfs; a partition of it if `partition` is named.
   void device(const std::string& number, const std::string& where, bool removable,
@@ -101,7 +104,9 @@ class RemovableStick : public Removable {
            true);
     sources.mounts = "/proc/self/mountinfo";
   }
-  void TearDown() override { ::umount2((folder / "stick").c_str(), MNT_DETACH); }
+  void TearDown() override {
+    for (const char* place : {"stick", "other"}) ::umount2((folder / place).c_str(), MNT_DETACH);
+  }
   bool is_mounted() const {
     std::ifstream in("/proc/self/mountinfo");
     const std::string all{std::istreambuf_iterator<char>(in), {}};
