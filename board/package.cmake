@@ -2,7 +2,8 @@
 install(TARGETS sonoband sonoband-tool RUNTIME DESTINATION bin)
 install(FILES ${CMAKE_SOURCE_DIR}/board/udev/70-sonoband.rules DESTINATION lib/udev/rules.d)
 install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service DESTINATION lib/systemd/system)
-install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example ${CMAKE_SOURCE_DIR}/LICENSE
+install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example
+  ${CMAKE_SOURCE_DIR}/board/systemd/fstab.example ${CMAKE_SOURCE_DIR}/LICENSE
   DESTINATION share/doc/sonoband)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/board/profiles ${CMAKE_SOURCE_DIR}/board/raspberrypi DESTINATION share/sonoband)
 
