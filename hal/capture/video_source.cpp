@@ -187,8 +187,8 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
     const Stamp now = clock_.now();
     const VideoStatus status = device_.take(buffer, std::max(Duration(0), std::min(until, watch) - now));
     if (status == VideoStatus::ok) {
-      last_frame_ = clock_.now();
       if (accept(buffer, out)) {
+        last_frame_ = clock_.now();
         silent_restarts_ = 0;
         ever_streamed_ = true;
         held_ = buffer.index;
@@ -204,7 +204,9 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
       if (device_.give_back(buffer.index) != VideoStatus::ok) trouble(VideoStatus::failed);
     } else if (status != VideoStatus::nothing_yet) {
       trouble(status);
-    } else if (clock_.now() >= watch) {
+    }
+    // Also one that sends a lot, but nothing that is a new picture.
+    if (state_ == State::streaming && clock_.now() >= watch) {
       health_.recoveries.fetch_add(1, std::memory_order_relaxed);
       health_.say(DeviceState::stalled, "The video grabber sends no pictures; restarting it.");
       device_.stop();

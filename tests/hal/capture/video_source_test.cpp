@@ -9,6 +9,7 @@
 
 #include "hal/capture/luma.h"
 #include "tests/hal/tracker/tracker_rig.h"
+#include "tests/support/allocation_counter.h"
 
 namespace sonoband {
 namespace {
@@ -61,7 +62,7 @@ class FakeVideo final : public VideoDevice {
     if (!jpeg.empty()) picture = jpeg;
     out.index = 0;
     out.bytes = picture;
-    out.sequence = sequence++;
+    out.sequence = counts ? sequence++ : sequence;
     out.stamp_ns = (next_ - std::chrono::milliseconds(3)).time_since_epoch().count() + stamp_shift_ns;
     out.monotonic = true;
     out.damaged = std::exchange(damage_next, false);
@@ -88,6 +89,7 @@ class FakeVideo final : public VideoDevice {
   std::uint32_t sequence = 7;
   std::int64_t stamp_shift_ns = 0;
   bool damage_next = false;
+  bool counts = true;
   int lent = 0;
   int opens = 0;
   int starts = 0;
@@ -177,6 +179,43 @@ TEST(VideoSource, AStallIsRestartedAndCounted) {
   EXPECT_EQ(rig.health().state, DeviceState::running);
   EXPECT_GE(rig.device.starts, 3);
   EXPECT_LT(rig.clock.now() - rig.frames.back().captured, std::chrono::milliseconds(30));
+}
+
+// A count that stands still, or pictures that are all damaged, once looked like a grabber that runs.
+TEST(VideoSource, AFloodWithoutANewPictureIsAStall) {
+  for (const bool counts : {false, true}) {
+    Rig rig;
+    rig.run_to(1);
+    const auto before = rig.frames.size();
+    rig.device.period = std::chrono::microseconds(100);
+    rig.device.counts = counts;
+    if (counts) rig.device.bytes_per_picture = 7;
+    rig.run_to(2.5);
+    // Each restart may give one picture, whose number is then the first.
+    EXPECT_LE(rig.frames.size(), before + 2);
+    if (counts) {
+      EXPECT_EQ(rig.health().state, DeviceState::stalled);
+    }
+    EXPECT_GE(rig.health().recoveries, 1u);
+    rig.device.period = std::chrono::milliseconds(20);
+    rig.device.counts = true;
+    rig.device.bytes_per_picture = 2 * width * height;
+    rig.run_to(5);
+    EXPECT_EQ(rig.health().state, DeviceState::running);
+  }
+}
+
+TEST(VideoSource, AFloodOfPicturesIsHandedOutOneByOneWithoutGrowing) {
+  Rig rig;
+  rig.run_to(0.5);
+  rig.device.period = std::chrono::microseconds(50);
+  Frame f;
+  const test::AllocationCounter counter;
+  for (int i = 0; i < 10'000; ++i) {
+    EXPECT_EQ(rig.source.read(f, std::chrono::milliseconds(30)), ReadStatus::ok);
+    EXPECT_LE(rig.device.lent, 1);
+  }
+  EXPECT_EQ(counter.count(), 0u);
 }
 
 TEST(VideoSource, AChangedSourceIsAskedAgainAndAnotherSizeIsRefused) {
