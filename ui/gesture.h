@@ -13,7 +13,7 @@
 
 namespace sonoband::ui {
 
-// One change of one contact. The mouse's left button is contact 0 of no size.
+// One change of one contact. The mouse's left button is contact -1 of no size.
 struct Contact {
   Stamp time{};
   enum class Kind : std::uint8_t { down, move, up } kind = Kind::down;

@@ -22,6 +22,8 @@ struct Texts {
   Words scanner = "Scanner";
   Words tracker = "Tracker";
   Words pedal = "Pedal";
+  Words touchscreen = "Touchscreen";
+  Words works = "works";
   Words storage = "Storage";
   Words ring = "Memory";
   Words lost = "Lost";

@@ -56,6 +56,12 @@ struct PedalStatus {
   bool down = false;
 };
 
+struct TouchscreenStatus {
+  bool expected = false;  // the board has one; else fingers come through the window system
+  Health health = Health::absent;
+  std::string_view reason;
+};
+
 struct StorageStatus {
   Health health = Health::good;
   std::string_view reason;
@@ -91,6 +97,7 @@ struct StatusView {
   ScannerStatus scanner;
   TrackerStatus tracker;
   PedalStatus pedal;
+  TouchscreenStatus touch;
   StorageStatus storage;
   RingStatus ring;
   LossStatus losses;

@@ -106,6 +106,14 @@ void ScreenLoop::follow_sweep(Stamp now) {
   }
 }
 
+void ScreenLoop::tell_touch(const DeviceHealth& health) {
+  const bool said = touch_ && touch_->state == health.state && touch_->reason == health.reason;
+  touch_ = health;
+  if (said) return;
+  if (*health.reason != '\0') session_.say(health.reason, std::chrono::seconds(10));
+  next_numbers_.reset();
+}
+
 bool ScreenLoop::listen(Stamp now) {
   const cart::ApplianceStatus& status = cart_.status();
   const Lamps lamps{status.frames.health.state,
@@ -201,6 +209,7 @@ void ScreenLoop::fill(Stamp now) {
   fill_status(status, sweep_ledger_, minutes, fps, ring.slots, losses_, view_.status);
   view_.status.pedal.mode = session_.pedal_mode();
   if (options_.stream) view_.status.stream = options_.stream();
+  if (touch_) view_.status.touch = touch_status(*touch_);
   fill_live(now, fps);
   view_.set_up.version = options_.version;
   if (cart_.exams() != nullptr) {

@@ -23,6 +23,8 @@ class ScreenLoop {
 
   // Takes what the cart has to say. True: there is something new to draw.
   bool listen(Stamp now);
+  // How the board's touchscreen is; not called where there is none.
+  void tell_touch(const DeviceHealth& health);
   // Draws a frame and carries out what it asked for.
   void draw(const ui::Input& input, Stamp now);
 
@@ -94,6 +96,7 @@ class ScreenLoop {
   std::string saving_;  // what is wrong with saving
   double fps_ = 25;     // that the scanner sends when it does
   Lamps lamps_;
+  std::optional<DeviceHealth> touch_;
   FrameLease lease_;  // while a frame is made
   std::array<ui::ProbeView, 1> probes_;
   std::uintmax_t disk_bytes_ = 0;

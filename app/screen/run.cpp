@@ -1,20 +1,28 @@
 #include "app/screen/run.h"
 
 #include <chrono>
+#include <optional>
 
 #include "app/screen/loop.h"
 #include "app/screen/player.h"
+#include "app/screen/touch_reader.h"
 #include "ui/host/headless.h"
 #include "ui/host/window.h"
 
 namespace sonoband {
 
-void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options) {
+void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch) {
   ui::WindowSurface window({"Sonoband", options.width, options.height, options.full_screen});
   ScreenLoop loop(cart, foot, options, window, [&window] { window.wake(); });
+  std::optional<TouchReader> fingers;
+  if (touch != nullptr) fingers.emplace(*touch, cart.clock(), [&window] { window.wake(); });
   ui::Input input;
   while (!loop.quits()) {
     window.poll(input, cart.clock().now(), loop.may_sleep());
+    if (fingers) {
+      fingers->take(window.panel_px(), input);
+      loop.tell_touch(fingers->health());
+    }
     const Stamp now = cart.clock().now();
     const bool news = loop.listen(now);
     if (!news && input.empty()) continue;

@@ -95,4 +95,8 @@ void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, d
   view.losses.by_cause = std::span(losses).first(used);
 }
 
+ui::TouchscreenStatus touch_status(const DeviceHealth& health) {
+  return {.expected = true, .health = health_of(health), .reason = health.reason};
+}
+
 }  // namespace sonoband

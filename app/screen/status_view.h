@@ -19,4 +19,7 @@ LossLedger booked_since(const LossLedger& then, const LossLedger& now);
 void fill_status(const cart::ApplianceStatus& status, const LossLedger& sweep, double storage_minutes,
                  double fps, std::uint32_t ring_slots, LossLines& losses, ui::StatusView& view);
 
+// Of a board that has a touchscreen; what it says is borrowed from static storage.
+ui::TouchscreenStatus touch_status(const DeviceHealth& health);
+
 }  // namespace sonoband

@@ -1,20 +1,33 @@
 #include "ui/host/window.h"
 
 #include <GLES3/gl3.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
 #include "ui/gl.h"
+#include "ui/host/x11_touch.h"
 
 namespace sonoband::ui {
 
 struct WindowSurface::State {
+  ~State() {
+    if (woken >= 0) close(woken);
+  }
+
   GLFWwindow* window = nullptr;
-  Input* input = nullptr;  // while polling
+  std::unique_ptr<X11Touch> touch;  // null where the server tells of no fingers
+  int woken = -1;                   // can be read when another thread wants a frame
+  Input* input = nullptr;           // while polling
   Stamp now{};
   Vec2 pointer;
   Vec2 sliding_from;
@@ -24,6 +37,8 @@ struct WindowSurface::State {
 };
 
 namespace {
+
+constexpr std::int32_t mouse = -1;  // its contact; no finger has this number
 
 WindowSurface::State& state_of(GLFWwindow* window) {
   return *static_cast<WindowSurface::State*>(glfwGetWindowUserPointer(window));
@@ -47,7 +62,8 @@ void on_button(GLFWwindow* window, int button, int action, int) {
   }
   if (button != GLFW_MOUSE_BUTTON_LEFT) return;
   s.finger = action == GLFW_PRESS;
-  s.input->contacts.push_back({s.now, s.finger ? Contact::Kind::down : Contact::Kind::up, 0, s.pointer, 0});
+  s.input->contacts.push_back(
+      {s.now, s.finger ? Contact::Kind::down : Contact::Kind::up, mouse, s.pointer, 0});
 }
 
 void on_move(GLFWwindow* window, double x, double y) {
@@ -55,7 +71,7 @@ void on_move(GLFWwindow* window, double x, double y) {
   const Vec2 before = s.pointer;
   s.pointer = to_pixels(window, x, y);
   if (s.input == nullptr) return;
-  if (s.finger) s.input->contacts.push_back({s.now, Contact::Kind::move, 0, s.pointer, 0});
+  if (s.finger) s.input->contacts.push_back({s.now, Contact::Kind::move, mouse, s.pointer, 0});
   constexpr float pixels_per_notch = 40;
   if (s.sliding) {
     s.input->wheels.push_back({s.sliding_from, (1 / pixels_per_notch) * (s.pointer - before), false, true});
@@ -124,7 +140,7 @@ void on_character(GLFWwindow* window, unsigned character) {
 void on_focus(GLFWwindow* window, int focused) {
   WindowSurface::State& s = state_of(window);
   if (focused != 0 || s.input == nullptr) return;
-  if (s.finger) s.input->contacts.push_back({s.now, Contact::Kind::up, 0, s.pointer, 0});
+  if (s.finger) s.input->contacts.push_back({s.now, Contact::Kind::up, mouse, s.pointer, 0});
   s.input->keys.push_back({Key::character, U' ', false, false, false, false});
   s.finger = s.sliding = false;
 }
@@ -132,6 +148,21 @@ void on_focus(GLFWwindow* window, int focused) {
 void on_close(GLFWwindow* window) {
   WindowSurface::State& s = state_of(window);
   if (s.input != nullptr) s.input->close = true;
+}
+
+void take_events(WindowSurface::State& s) {
+  std::uint64_t times = 0;
+  static_cast<void>(!read(s.woken, &times, sizeof times));  // nothing to read: not woken
+  glfwPollEvents();
+  if (s.touch) s.touch->take(s.input->contacts, s.now);
+}
+
+// GLFW's own waiting knows nothing of the fingers' connection.
+void sleep_until_something(const WindowSurface::State& s, Duration wait) {
+  std::array<pollfd, 3> files{{{X11Touch::windows_file(), POLLIN, 0}, {s.woken, POLLIN, 0}, {-1, POLLIN, 0}}};
+  if (s.touch) files[2].fd = s.touch->file();
+  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(wait).count();
+  poll(files.data(), files.size(), static_cast<int>(ms));
 }
 
 std::string last_error() {
@@ -175,9 +206,12 @@ WindowSurface::WindowSurface(const WindowSettings& settings) : state_(std::make_
   glfwSetWindowCloseCallback(state_->window, on_close);
   glfwMakeContextCurrent(state_->window);
   glfwSwapInterval(1);
+  state_->touch = X11Touch::on(state_->window);
+  state_->woken = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
 }
 
 WindowSurface::~WindowSurface() {
+  state_->touch.reset();
   glfwDestroyWindow(state_->window);
   glfwTerminate();
 }
@@ -191,10 +225,10 @@ Vec2 WindowSurface::size_px() const {
 void WindowSurface::poll(Input& input, Stamp now, Duration wait) {
   state_->input = &input;
   state_->now = now;
-  if (wait > Duration::zero()) {
-    glfwWaitEventsTimeout(seconds(wait));
-  } else {
-    glfwPollEvents();
+  take_events(*state_);
+  if (input.empty() && wait > Duration::zero()) {
+    sleep_until_something(*state_, wait);
+    take_events(*state_);
   }
   state_->input = nullptr;
 }
@@ -228,8 +262,22 @@ void WindowSurface::toggle_full_screen() {
   glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
 }
 
+Rect WindowSurface::panel_px() const {
+  const Vec2 size = size_px();
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (monitor == nullptr || glfwGetWindowMonitor(state_->window) != nullptr) return {0, 0, size.x, size.y};
+  int x = 0, y = 0, left = 0, top = 0;
+  glfwGetWindowPos(state_->window, &x, &y);
+  glfwGetMonitorPos(monitor, &left, &top);
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor);
+  return {static_cast<float>(left - x), static_cast<float>(top - y), static_cast<float>(mode->width),
+          static_cast<float>(mode->height)};
+}
+
 void WindowSurface::wake() {
-  glfwPostEmptyEvent();
+  const std::uint64_t one = 1;
+  // Refused only when it was woken 2^64 times and nobody has looked.
+  static_cast<void>(!write(state_->woken, &one, sizeof one));
 }
 
 }  // namespace sonoband::ui

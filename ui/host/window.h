@@ -1,5 +1,5 @@
-// A window on X11 through GLFW, drawn with OpenGL ES 3 through EGL. The mouse is one finger; the wheel and
-// the right button stand in for two (WheelEvent).
+// A window on X11 through GLFW, drawn with OpenGL ES 3 through EGL. Fingers come as the X server tells of
+// them; the mouse is one more, its wheel and right button stand in for two (WheelEvent).
 #pragma once
 
 #include <memory>
@@ -31,6 +31,8 @@ class WindowSurface final : public Surface {
   void end_frame() override;  // waits for the display's refresh
   Rgba read() override;
 
+  // Where the whole display lies in the window's pixels: all of them in full screen.
+  Rect panel_px() const;
   void toggle_full_screen();
   void wake();  // ends a poll that waits; from any thread
 

@@ -28,8 +28,10 @@ void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
   const Texts& t = ui.texts;
   const auto count_frames = static_cast<int>(review.frames.size());
   const Line detail(t.bscan_of, {number(review.current + 1, 0), number(count_frames, 0)});
+  // A low window has no room for a title and a slider one above the other.
+  const bool low = r.height < ui.px(240);
   const PanelFrame frame =
-      panel(ui, "review/title", r, t.review, count_frames > 0 ? detail.view() : std::string_view(),
+      panel(ui, "review/title", r, t.review, count_frames > 0 && !low ? detail.view() : std::string_view(),
             corner_icon(view, Window::review));
   toggle_full(ui, view, Window::review, frame);
   ui.pictures.show(Slot::bscan, review.bscan);
@@ -40,6 +42,11 @@ void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
   }
   Rect inside = frame.inside;
   Rect foot = inside.cut_bottom(std::min(ui.metrics.target, inside.height * 0.3f));
+  if (low) {
+    const float beside = ui.draw.width_of(Type::strong, t.review) + ui.px(34);
+    foot = {r.x + beside, r.y, r.width - beside - ui.px(42), ui.metrics.target};
+    inside = {frame.inside.x, foot.bottom(), frame.inside.width, frame.inside.bottom() - foot.bottom()};
+  }
   const Rect play = foot.cut_left(ui.metrics.target);
   ButtonLook look{review.playing ? Icon::pause : Icon::play, Role::quiet, false, true, false};
   if (button(ui, "review/play", play, "", look)) ui.send(command::Play{!review.playing});

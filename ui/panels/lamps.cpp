@@ -86,6 +86,12 @@ Lamp pedal_lamp(const PedalStatus& s, const Texts& t) {
   return {colour_of(s.health), Line(s.mode == PedalMode::hold ? t.hold_to_record : t.press_to_record, {})};
 }
 
+// A mouse does everything as well: never an alarm.
+Lamp touchscreen_lamp(const TouchscreenStatus& s, const Texts& t) {
+  if (delivers(s.health)) return {colour_of(s.health), Line(t.works, {})};
+  return {colour::warning, Line(word_for(s.health, t), {})};
+}
+
 Lamp storage_lamp(const StorageStatus& s, const Texts& t) {
   if (!delivers(s.health)) return {colour_of(s.health), Line(word_for(s.health, t), {})};
   if (s.minutes_left < disk_full_minutes) return {colour::alarm, Line(t.full, {})};

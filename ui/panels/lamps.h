@@ -17,6 +17,7 @@ struct Lamp {
 Lamp scanner_lamp(const ScannerStatus& s, const Texts& t);
 Lamp tracker_lamp(const TrackerStatus& s, const Texts& t);
 Lamp pedal_lamp(const PedalStatus& s, const Texts& t);
+Lamp touchscreen_lamp(const TouchscreenStatus& s, const Texts& t);
 Lamp storage_lamp(const StorageStatus& s, const Texts& t);
 Lamp ring_lamp(const RingStatus& s, const Texts& t);
 Lamp loss_lamp(const LossStatus& s, const Texts& t);

@@ -99,10 +99,11 @@ void draw_picture(Ui& ui, const Rect& r, const View& view) {
   }
   if (live.first_time && !live.recording && can_record(view.status)) {
     const bool hold = view.status.pedal.mode == PedalMode::hold;
-    const Rect strip{place.x, place.bottom() - ui.px(66), place.width, ui.px(66)};
+    const Rect strip{place.x, place.bottom() - ui.px(90), place.width, ui.px(90)};
     ui.draw.fill(strip, colour::ground.with_alpha(0.86f));
-    ui.draw.paragraph(strip.inset(ui.px(16), ui.px(12)), Type::body, colour::ink,
-                      hold ? t.first_time_hold : t.first_time_toggle);
+    Rect words = strip.inset(ui.px(16), ui.px(10));
+    ui.draw.text_in(words.cut_bottom(ui.px(20)), Align::left, Type::small, colour::warning, t.research_only);
+    ui.draw.paragraph(words, Type::body, colour::ink, hold ? t.first_time_hold : t.first_time_toggle);
   }
 }
 
@@ -135,7 +136,11 @@ void draw_speed(Ui& ui, const Rect& r, const View& view) {
   const bool moving = live.gap_mm > 0 && live.widest_gap_mm > 0;
   const bool too_fast = moving && live.gap_mm > live.widest_gap_mm;
   const float line = ui.draw.height_of(Type::body) + ui.px(6);
-  const Rect words = inside.cut_bottom(line);
+  // In a narrow column speed and limit do not fit side by side.
+  const Rect limit_words = inside.cut_bottom(line);
+  const bool two_lines = inside.width < ui.px(380);
+  const Rect words = two_lines ? inside.cut_bottom(line) : limit_words;
+  const Align limit_side = two_lines ? Align::left : Align::right;
   const float height = std::min(ui.px(20), std::max(ui.px(8), inside.height - ui.px(8)));
   const Rect bar{inside.x, inside.centre().y - height / 2, inside.width, height};
   ui.draw.fill(bar, colour::raised, height / 2);
@@ -153,9 +158,9 @@ void draw_speed(Ui& ui, const Rect& r, const View& view) {
   }
   const Line now(t.speed_and_gap, {number(live.speed_mm_s, 1), number(live.gap_mm, 2)});
   if (too_fast) {
-    ui.draw.text_in(words, Align::right, Type::strong, colour::alarm, t.too_fast);
+    ui.draw.text_in(limit_words, limit_side, Type::strong, colour::alarm, t.too_fast);
   } else {
-    ui.draw.text_in(words, Align::right, Type::small, colour::ink_quiet,
+    ui.draw.text_in(limit_words, limit_side, Type::small, colour::ink_quiet,
                     Line(t.too_fast_above, {number(limit_mm_s, 0)}));
   }
   ui.draw.text_in(words, Align::left, Type::body, colour::ink, now);
@@ -183,15 +188,25 @@ void draw_live_outline(Ui& ui, const Rect& r, const View& view) {
   orbit_by_gestures(ui, "live/outline", place, review.orbit);
 }
 
+// The B-scan is what the hand follows: it gets all the height there is and the width that goes with it; the
+// column beside it makes do with the rest.
+float column_width(const Ui& ui, const Rect& r, const LiveView& live) {
+  const ConstPixels& p = live.picture.pixels;
+  const float shape = p.empty() ? 4 / 3.0f : static_cast<float>(p.width) / static_cast<float>(p.height);
+  const float height = r.height - std::max(ui.metrics.target, ui.px(56)) - ui.px(10 + 2 * 12);
+  const float least = std::max(ui.px(250), 0.22f * r.width);
+  return std::clamp(r.width - ui.px(8 + 2 * 12) - shape * height, least, std::max(least, 0.37f * r.width));
+}
+
 }  // namespace
 
 void draw_live(Ui& ui, const Rect& r, const View& view) {
   Rect rest = r;
   const float gap = ui.px(8);
-  Rect right = rest.cut_right(std::max(ui.px(300), rest.width * 0.37f));
+  Rect right = rest.cut_right(column_width(ui, r, view.live));
   rest.cut_right(gap);
   draw_picture(ui, rest, view);
-  const Rect speed = right.cut_bottom(std::max(ui.px(104), r.height * 0.17f));
+  const Rect speed = right.cut_bottom(std::max(ui.px(130), r.height * 0.17f));
   right.cut_bottom(gap);
   const Rect band = right.cut_top(right.height * 0.57f);
   right.cut_top(gap);

@@ -52,9 +52,11 @@ void draw_devices(Ui& ui, const Rect& r, const StatusView& s) {
   const Device all[] = {{t.scanner, scanner_lamp(s.scanner, t), s.scanner.reason},
                         {t.tracker, tracker_lamp(s.tracker, t), s.tracker.reason},
                         {t.pedal, pedal_lamp(s.pedal, t), s.pedal.reason},
-                        {t.storage, storage_lamp(s.storage, t), s.storage.reason}};
+                        {t.storage, storage_lamp(s.storage, t), s.storage.reason},
+                        {t.touchscreen, touchscreen_lamp(s.touch, t), s.touch.reason}};
   const float height = ui.px(52);
   for (const Device& d : all) {
+    if (&d == &all[4] && !s.touch.expected) continue;
     if (rest.height < height) break;
     Rect line = rest.cut_top(height);
     ui.draw.disc({line.x + ui.px(12), line.centre().y}, ui.px(7), d.lamp.colour);
@@ -90,7 +92,8 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
   draw_probes(
       ui, left.cut_top(title + lines * (std::max(ui.metrics.target, ui.px(60)) + ui.px(6)) + ui.px(8)), s);
   left.cut_top(gap);
-  draw_devices(ui, left.cut_top(title + 4 * ui.px(52) + ui.px(12)), view.status);
+  draw_devices(ui, left.cut_top(title + (view.status.touch.expected ? 5 : 4) * ui.px(52) + ui.px(12)),
+               view.status);
   left.cut_top(gap);
   if (s.capture_width > 0 && left.height >= title + line + ui.px(16)) {
     const Rect inside = panel(ui, "", left.cut_top(title + line + ui.px(16)), t.crop, "").inside;
