@@ -36,6 +36,7 @@ class Player {
   void act(const script::Press&) { step_on(true); }
   void act(const script::Release&) { step_on(false); }
   void act(const script::Await& await);
+  void act(const script::WatchCart&) { fail("watch works without the screen"); }
   void act(const script::Render&) { fail("render works without the screen"); }
   void act(const script::Manifold&) { fail("manifold works without the screen"); }
   void act(const script::ScreenAction& action);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <sstream>
 
 #include "app/exchange/png.h"
+#include "app/script/watch.h"
 #include "core/manifold/manifold_band.h"
 #include "core/reslice/default_plane.h"
 
@@ -75,7 +77,36 @@ class Runner {
     while (auto sweep = stage_.cart.take_sweep()) sweeps_.push_back(std::move(*sweep));
   }
 
-  void act(const Wait& wait) { stage_.clock.sleep_until(stage_.clock.now() + wait.time); }
+  // Until then, or until `enough` says so; whoever watches is told meanwhile.
+  bool pass_until(Stamp end, const std::function<bool()>& enough) {
+    for (;;) {
+      if (watch_) watch();
+      if (enough()) return true;
+      const Stamp now = stage_.clock.now();
+      if (now >= end) return false;
+      stage_.clock.sleep_until(now + std::chrono::milliseconds(10));
+    }
+  }
+
+  void watch() {
+    take_sweeps();
+    for (; sweeps_told_ < sweeps_.size() && sweeps_[sweeps_told_].ledger() != nullptr; ++sweeps_told_)
+      say(Json{{"sweep", sweep_json(sweeps_[sweeps_told_])}}.dump());
+    if (const auto line = watch_->line(stage_.cart.status())) say(*line);
+  }
+
+  // At once: who reads along may cut the power next.
+  static void say(const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  }
+
+  void act(const WatchCart&) { watch_.emplace(); }
+  void act(const Wait& wait) {
+    const Stamp end = stage_.clock.now() + wait.time;
+    if (!watch_) return stage_.clock.sleep_until(end);
+    pass_until(end, [] { return false; });
+  }
   void act(const Press&) { step_on(true); }
   void act(const Release&) { step_on(false); }
   void step_on(bool down) {
@@ -84,17 +115,12 @@ class Runner {
   }
 
   void act(const Await& await) {
-    const Stamp end = stage_.clock.now() + await.at_most;
-    for (;;) {
-      const std::string state = cart::name_of(stage_.cart.status().cart.state);
-      if (state == await.state) return;
-      if (stage_.clock.now() >= end) {
-        std::ostringstream within;
-        within << seconds(await.at_most);
-        fail("the cart was to be in " + await.state + " within " + within.str() + " s and is in " + state);
-      }
-      stage_.clock.sleep_until(stage_.clock.now() + std::chrono::milliseconds(10));
-    }
+    std::string state;
+    const auto there = [&] { return (state = cart::name_of(stage_.cart.status().cart.state)) == await.state; };
+    if (pass_until(stage_.clock.now() + await.at_most, there)) return;
+    std::ostringstream within;
+    within << seconds(await.at_most);
+    fail("the cart was to be in " + await.state + " within " + within.str() + " s and is in " + state);
   }
 
   void act(const ScreenAction&) { fail("there is no screen here for a finger to touch"); }
@@ -181,6 +207,7 @@ class Runner {
          {"covered", static_cast<double>(covered) /
                          std::max<std::int64_t>(1, std::int64_t{coverage.width} * coverage.height)},
          {"ms", took.count()}});
+    if (watch_) say(Json{{"picture", pictures_.back()}}.dump());
     std::printf("  %-32s %4d x %-4d %6.1f mm %-4s %8.2f ms\n", render.file.c_str(), coverage.width,
                 coverage.height, settings.band.thickness_mm, word(settings.compounding), took.count());
   }
@@ -190,6 +217,8 @@ class Runner {
   int line_ = 0;
   std::vector<Sweep> sweeps_;
   Json pictures_ = Json::array();
+  std::optional<Watch> watch_;
+  std::size_t sweeps_told_ = 0;
 };
 
 }  // namespace

@@ -112,10 +112,11 @@ Action await_action(const Place& place, const Words& words) {
 
 Action action(const Place& place, const Words& words) {
   const std::string& verb = words[0];
-  if ((verb == "press" || verb == "release") && words.size() > 1)
+  if ((verb == "press" || verb == "release" || verb == "watch") && words.size() > 1)
     place.refuse(verb + " stands alone on its line");
   if (verb == "press") return Press{};
   if (verb == "release") return Release{};
+  if (verb == "watch") return WatchCart{};
   if (verb == "await") return await_action(place, words);
   if (verb == "render") return render_action(place, words);
   if (verb == "manifold") return manifold_action(place, words);
@@ -125,8 +126,8 @@ Action action(const Place& place, const Words& words) {
   }
   if (const auto on_screen = screen_action(place, words)) return *on_screen;
   place.refuse("there is no action '" + verb +
-               "'; there are wait, press, release, await, render and manifold, and with the screen tap, "
-               "double-tap, hold, drag, pinch, twist, key and shot");
+               "'; there are wait, press, release, await, watch, render and manifold, and with the screen "
+               "tap, double-tap, hold, drag, pinch, twist, key and shot");
 }
 
 }  // namespace
@@ -144,6 +145,8 @@ std::vector<Step> parse(std::string_view text, const std::string& file) {
   for (const Step& step : steps) {
     if (std::holds_alternative<Render>(step.action) || std::holds_alternative<Manifold>(step.action))
       Place{file, step.line}.refuse("render and manifold work without the screen; take a shot instead");
+    if (std::holds_alternative<WatchCart>(step.action))
+      Place{file, step.line}.refuse("watch works without the screen; take a shot instead");
   }
   return steps;
 }

@@ -5,6 +5,8 @@
 //   press                                      the record pedal goes down
 //   release                                    ... and up
 //   await review 10                            until the cart is in that state, at most so many seconds
+//   watch                                      from here on say what the cart does (app/script/watch.h), each
+//                                              sweep at its end and each picture, in lines of JSON
 //   render thin.png                            a planar band of the last sweep
 //   render thick.png thickness-mm=14 compounding=max
 //     options: thickness-mm=T compounding=max|min|mean interpolation=nearest|linear view=NAME at=0..1
@@ -26,7 +28,7 @@
 //   key right                                  left right up down home end page-up page-down escape enter
 //                                              backspace f1 f11, or one character
 //   shot review.png                            a picture of the screen, in the --shots folder
-// One such line, and the whole script runs with the screen, in memory; render and manifold, which work
+// One such line, and the whole script runs with the screen, in memory; watch, render and manifold, which work
 // without it, are then refused.
 #pragma once
 
@@ -47,6 +49,7 @@ struct Wait {
 };
 struct Press {};
 struct Release {};
+struct WatchCart {};
 struct Await {
   std::string state;  // idle, live, recording or review
   Duration at_most{};
@@ -63,7 +66,7 @@ struct Manifold {
   std::optional<double> reach_mm;         // empty: the view's own
 };
 
-using Action = std::variant<Wait, Press, Release, Await, Render, Manifold, ScreenAction>;
+using Action = std::variant<Wait, Press, Release, Await, WatchCart, Render, Manifold, ScreenAction>;
 
 struct Step {
   int line = 0;

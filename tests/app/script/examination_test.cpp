@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <numeric>
+#include <sstream>
 
 #include "app/cart_on_board.h"
 #include "app/exchange/png.h"
@@ -83,6 +84,47 @@ render thick.png view=upright thickness-mm=14
   // Maximum over 71 layers is brighter than one of them.
   EXPECT_GT(mean_of(out / "thick.png"), mean_of(out / "thin.png") + 5);
   std::filesystem::remove_all(out);
+}
+
+TEST(Examination, WhoWatchesReadsEveryStateEverySweepAndEveryPicture) {
+  const auto out = scratch();
+  Cart cart;
+  ::testing::internal::CaptureStdout();
+  const auto summary = cart.run(R"(watch
+await live 5
+wait 2
+press
+await recording 1
+wait 3
+release
+await review 5
+wait 1
+render thin.png
+)",
+                                out);
+  std::istringstream said(::testing::internal::GetCapturedStdout());
+  std::filesystem::remove_all(out);
+  ASSERT_FALSE(summary.contains("failure")) << summary["failure"];
+  std::vector<std::string> states;
+  std::vector<nlohmann::ordered_json> sweeps;
+  nlohmann::ordered_json newest;
+  int pictures = 0;
+  for (std::string line; std::getline(said, line);) {
+    const auto json = nlohmann::ordered_json::parse(line, nullptr, false);
+    if (json.contains("sweep")) sweeps.push_back(json["sweep"]);
+    if (json.contains("picture")) ++pictures;
+    if (!json.contains("state")) continue;
+    if (states.empty() || states.back() != json["state"]) states.push_back(json["state"]);
+    if (!newest.is_null()) EXPECT_LE(json["at"].get<double>() - newest["at"].get<double>(), 0.6);
+    newest = json;
+  }
+  EXPECT_EQ(states, (std::vector<std::string>{"idle", "live", "recording", "review"}));
+  EXPECT_EQ(newest["tracker"], "running");
+  EXPECT_FALSE(newest["down"]);
+  EXPECT_GT(newest["readings"].get<int>(), 200);
+  ASSERT_EQ(sweeps.size(), 1u);
+  EXPECT_EQ(sweeps[0], summary["sweeps"][0]);
+  EXPECT_EQ(pictures, 1);
 }
 
 TEST(Examination, SaysWhatDidNotHappenAndWhere) {

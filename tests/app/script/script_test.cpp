@@ -23,23 +23,25 @@ wait 1.5
 press
 release   # the pedal
 await review 10
+watch
 render thick.png thickness-mm=14 compounding=mean interpolation=linear view=level at=0.4
 manifold spine.png curve=1,2;3,4.5 reach-mm=12 thickness-mm=7.2
 )",
                            "exam.script");
-  ASSERT_EQ(steps.size(), 6u);
+  ASSERT_EQ(steps.size(), 7u);
   EXPECT_EQ(std::get<Wait>(steps[0].action).time, from_seconds(1.5));
   EXPECT_EQ(steps[1].line, 3);
   EXPECT_TRUE(std::holds_alternative<Press>(steps[1].action));
   EXPECT_TRUE(std::holds_alternative<Release>(steps[2].action));
   EXPECT_EQ(std::get<Await>(steps[3].action).state, "review");
-  const auto& render = std::get<Render>(steps[4].action);
+  EXPECT_TRUE(std::holds_alternative<WatchCart>(steps[4].action));
+  const auto& render = std::get<Render>(steps[5].action);
   EXPECT_EQ(render.settings.band.thickness_mm, 14);
   EXPECT_EQ(render.settings.compounding, Compounding::mean);
   EXPECT_EQ(render.settings.interpolation, Interpolation::linear);
   EXPECT_EQ(render.view, "level");
   EXPECT_EQ(render.at, 0.4);
-  const auto& manifold = std::get<Manifold>(steps[5].action);
+  const auto& manifold = std::get<Manifold>(steps[6].action);
   ASSERT_EQ(manifold.curve_mm.size(), 2u);
   EXPECT_EQ(manifold.curve_mm[1].y(), 4.5);
   EXPECT_EQ(manifold.reach_mm, 12);
@@ -88,13 +90,15 @@ TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
   EXPECT_EQ(refusal("key any"), "exam.script:1: there is no key 'any'");
   EXPECT_EQ(refusal("tap rail/live\nrender thin.png"),
             "exam.script:2: render and manifold work without the screen; take a shot instead");
+  EXPECT_EQ(refusal("watch\ntap rail/live"),
+            "exam.script:1: watch works without the screen; take a shot instead");
 }
 
 TEST(Script, RefusalsNameFileLineAndCure) {
   EXPECT_EQ(
       refusal("\nstep on it\n"),
-      "exam.script:2: there is no action 'step'; there are wait, press, release, await, render and manifold, "
-      "and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
+      "exam.script:2: there is no action 'step'; there are wait, press, release, await, watch, render "
+      "and manifold, and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
   EXPECT_EQ(refusal("wait soon"), "exam.script:1: seconds must be a number from 0 to 3600, not 'soon'");
   EXPECT_EQ(refusal("await done 3"),
             "exam.script:1: the states are idle, live, recording and review, not 'done'");
