@@ -116,7 +116,9 @@ class Runner {
 
   void act(const Await& await) {
     std::string state;
-    const auto there = [&] { return (state = cart::name_of(stage_.cart.status().cart.state)) == await.state; };
+    const auto there = [&] {
+      return (state = cart::name_of(stage_.cart.status().cart.state)) == await.state;
+    };
     if (pass_until(stage_.clock.now() + await.at_most, there)) return;
     std::ostringstream within;
     within << seconds(await.at_most);

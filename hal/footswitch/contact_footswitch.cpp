@@ -154,20 +154,47 @@ void ContactFootswitch::take(const ContactEdge& edge) {
   Stamp t{std::chrono::nanoseconds(edge.stamp_ns)};
   if (t > now || now - t > believable_age) t = now;
   contact.active = edge.active;
+  unsettled_ = true;
+  differs_since_.reset();
   if (missed > 0) {
-    health_.lost.fetch_add(missed, std::memory_order_relaxed);
-    pedals_[contact.pedal].sequence += missed;
-    if (!reread(contact, edge.contact)) return;
-    // Said even if the level is the same: the jump of the sequence is the news.
-    Pedal& pedal = pedals_[contact.pedal];
-    pedal.closed = level_of(contact.pedal);
-    put({.time = t,
-         .closed = pedal.closed,
-         .pedal = static_cast<std::uint8_t>(contact.pedal),
-         .sequence = ++pedal.sequence});
+    if (reread(contact, edge.contact)) resume(static_cast<std::size_t>(edge.contact), t, missed);
     return;
   }
   give(contact.pedal, t);
+}
+
+// After lost edges: said even if the level is the same, because the jump of the sequence is the news.
+void ContactFootswitch::resume(std::size_t contact, Stamp t, std::uint32_t missed) {
+  health_.lost.fetch_add(missed, std::memory_order_relaxed);
+  const std::size_t p = contacts_[contact].pedal;
+  pedals_[p].sequence += missed;
+  pedals_[p].closed = level_of(p);
+  put({.time = t,
+       .closed = pedals_[p].closed,
+       .pedal = static_cast<std::uint8_t>(p),
+       .sequence = ++pedals_[p].sequence});
+}
+
+// When the last edges of a burst are the lost ones, none behind them tells: the kernel keeps 16 of a line and
+// drops the newest. So once all is quiet the levels are compared. An edge on its way is no lost one: only a
+// difference that stays is.
+void ContactFootswitch::settle(Stamp now) {
+  if (!unsettled_) return;
+  std::array<bool, 2 * most_pedals> level{};
+  bool differs = false;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const auto read = source_->level(static_cast<int>(i));
+    if (!read) return lose(ContactStatus::gone);
+    level[i] = *read;
+    differs = differs || *read != contacts_[i].active;
+  }
+  if (differs && !differs_since_) differs_since_ = now;
+  if (differs && now - *differs_since_ < travel) return;
+  unsettled_ = false;
+  differs_since_.reset();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (std::exchange(contacts_[i].active, level[i]) != level[i]) resume(i, now, 1);
+  }
 }
 
 void ContactFootswitch::watch_pairs(Stamp now) {
@@ -218,6 +245,7 @@ ReadStatus ContactFootswitch::read(PedalEdge& out, Duration timeout) {
         take(edge);
         break;
       case ContactStatus::nothing_yet:
+        settle(clock_.now());
         break;
       case ContactStatus::overflow:
         health_.lost.fetch_add(1, std::memory_order_relaxed);

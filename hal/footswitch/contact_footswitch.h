@@ -53,6 +53,8 @@ class ContactFootswitch final : public Footswitch {
   bool connect();
   void lose(ContactStatus why);
   void take(const ContactEdge& edge);
+  void settle(Stamp now);
+  void resume(std::size_t contact, Stamp t, std::uint32_t missed);
   bool reread(Contact& contact, int index);
   void give(std::size_t pedal, Stamp t);
   void watch_pairs(Stamp now);
@@ -68,6 +70,8 @@ class ContactFootswitch final : public Footswitch {
   bool started_ = false;
   bool open_ = false;
   Stamp next_open_{};
+  bool unsettled_ = false;              // edges came since the levels were last compared
+  std::optional<Stamp> differs_since_;  // a level from what the edges said
 
   std::array<PedalEdge, 16> pending_{};  // circular
   std::size_t first_ = 0;

@@ -115,7 +115,9 @@ render thin.png
     if (json.contains("picture")) ++pictures;
     if (!json.contains("state")) continue;
     if (states.empty() || states.back() != json["state"]) states.push_back(json["state"]);
-    if (!newest.is_null()) EXPECT_LE(json["at"].get<double>() - newest["at"].get<double>(), 0.6);
+    if (!newest.is_null()) {
+      EXPECT_LE(json["at"].get<double>() - newest["at"].get<double>(), 0.6);
+    }
     newest = json;
   }
   EXPECT_EQ(states, (std::vector<std::string>{"idle", "live", "recording", "review"}));

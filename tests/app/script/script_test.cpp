@@ -95,10 +95,9 @@ TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
 }
 
 TEST(Script, RefusalsNameFileLineAndCure) {
-  EXPECT_EQ(
-      refusal("\nstep on it\n"),
-      "exam.script:2: there is no action 'step'; there are wait, press, release, await, watch, render "
-      "and manifold, and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
+  EXPECT_EQ(refusal("\nstep on it\n"),
+            "exam.script:2: there is no action 'step'; there are wait, press, release, await, watch, render "
+            "and manifold, and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
   EXPECT_EQ(refusal("wait soon"), "exam.script:1: seconds must be a number from 0 to 3600, not 'soon'");
   EXPECT_EQ(refusal("await done 3"),
             "exam.script:1: the states are idle, live, recording and review, not 'done'");
