@@ -99,6 +99,7 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
   acquisition.pairing.wait = from_ms(profile.tracking.wait_ms);
   acquisition.pose.gap = from_ms(profile.tracking.gap_ms);
   acquisition.pre_roll = from_seconds(profile.ring.pre_roll_s);
+  settings.cart.frames_silent = from_ms(profile.capture.silent_ms);
   settings.cart.machine.pedal = profile.pedal.mode;
   settings.cart.machine.longest = from_seconds(profile.pedal.stuck_s);
   settings.cart.debounce.quiet = from_ms(profile.pedal.debounce_ms);

@@ -52,6 +52,7 @@ LinkConfig tracker_config(const Profile& profile) {
   config.rate = profile.tracking.rate_hz == 240 ? RecordRate::hz_240 : RecordRate::hz_120;
   for (std::size_t i = 0; i < config.hemisphere.size(); ++i)
     config.hemisphere[i] = static_cast<float>(profile.tracking.hemisphere[i]);
+  config.silent = from_seconds(profile.tracking.silent_ms / 1000);
   return config;
 }
 
@@ -77,10 +78,12 @@ BoardDevices make_hardware_board(const std::string& name, const BoardCalibration
   auto tracker = std::make_unique<PolhemusTracker>(*parts->port, clock, tracker_config(profile));
   devices.on_recording = [t = tracker.get()](bool recording) { t->set_recording(recording); };
   devices.tracker = std::move(tracker);
-  devices.frames = std::make_unique<VideoSource>(
-      *parts->video, clock,
-      VideoSettings{
-          .width = devices.width_px, .height = devices.height_px, .rate_hz = profile.capture.rate_hz});
+  devices.frames =
+      std::make_unique<VideoSource>(*parts->video, clock,
+                                    VideoSettings{.width = devices.width_px,
+                                                  .height = devices.height_px,
+                                                  .rate_hz = profile.capture.rate_hz,
+                                                  .silent = from_seconds(profile.capture.silent_ms / 1000)});
   devices.footswitch = std::make_unique<ContactFootswitch>(
       profile.pedal.wired == "usb" ? key_contacts(profile.pedal.device) : gpio_contacts(), clock,
       pedal_wiring(profile));

@@ -117,6 +117,8 @@ std::vector<Key> all_keys() {
          return take_numbers<std::int64_t>(node, 16, 8192, p.capture.size_px);
        }},
       whole<int>("tracking", "station", 1, 16, [](P& p) -> int& { return p.tracking.station; }),
+      real("capture", "silent-ms", 100, 10'000, [](P& p) -> double& { return p.capture.silent_ms; }),
+      real("tracking", "silent-ms", 50, 10'000, [](P& p) -> double& { return p.tracking.silent_ms; }),
       {"tracking", "rate-hz", "120 or 240",
        [](const toml::node& node, P& p) {
          const auto value = node.value<std::int64_t>();

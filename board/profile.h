@@ -31,6 +31,7 @@ struct Profile {
     std::string driver = "v4l2";  // or libcamera
     std::string device = "auto";
     std::array<int, 2> size_px{1920, 1080};
+    double silent_ms = 1000;  // without a picture for longer the video is gone, and a recording ends
   } capture;
 
   struct Tracking {
@@ -40,6 +41,7 @@ struct Profile {
     int station = 1;                            // where the probe's sensor is plugged in
     int rate_hz = 240;                          // 120 or 240; a PATRIOT always gives 60
     std::array<double, 3> hemisphere{1, 0, 0};  // from the source towards the couch
+    double silent_ms = 250;                     // without a reading for longer its stream is started anew
   } tracking;
 
   struct Pedal {

@@ -8,7 +8,6 @@ namespace sonoband {
 namespace {
 
 constexpr Duration look_again = std::chrono::seconds(1);
-constexpr Duration silent_limit = std::chrono::seconds(1);
 constexpr int max_silent_restarts = 3;
 constexpr Duration believable_age = std::chrono::seconds(1);
 constexpr std::uint32_t most_lost = 1000;  // a longer jump is a count that began anew
@@ -183,7 +182,7 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
       }
     }
     VideoBuffer buffer;
-    const Stamp watch = last_frame_ + silent_limit;
+    const Stamp watch = last_frame_ + settings_.silent;
     const Stamp now = clock_.now();
     const VideoStatus status = device_.take(buffer, std::max(Duration(0), std::min(until, watch) - now));
     if (status == VideoStatus::ok) {

@@ -1,7 +1,7 @@
 // The scanner's pictures from a video device: kept streaming whatever the device does.
 //
 // Each frame carries the kernel's stamp and count. A jump of the count is that many lost; a buffer the driver
-// calls damaged, or whose bytes do not hold the picture, is lost too. A source that is silent for a second is
+// calls damaged, or whose bytes do not hold the picture, is lost too. A source that is silent too long is
 // restarted, and after the third time in a row opened anew; one that changed its picture is asked again what
 // it sends. A frame is valid until the next read.
 #pragma once
@@ -23,6 +23,7 @@ struct VideoSettings {
   int width = 1920;  // of the whole captured picture; another size is refused, since it changes the scale
   int height = 1080;
   double rate_hz = 60;
+  Duration silent = std::chrono::seconds(1);  // without a picture for longer it is restarted
 };
 
 class VideoSource final : public FrameSource {

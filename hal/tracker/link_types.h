@@ -20,6 +20,9 @@ struct LinkConfig {
   int probe_station = 1;                     // where the probe's sensor is plugged in
   RecordRate rate = RecordRate::hz_240;      // of a LIBERTY or VIPER; a PATRIOT always gives 60 Hz
   std::array<float, 3> hemisphere{1, 0, 0};  // from the source towards the couch, any length
+  // No record for so long: the stream has stopped. A station's poses are marked missing after a fifth of it,
+  // and never sooner than after five periods.
+  Duration silent = std::chrono::milliseconds(250);
 };
 
 // One turn of the machine: what came in, and when.

@@ -7,8 +7,6 @@ namespace sonoband {
 
 namespace {
 
-constexpr Duration all_silent = std::chrono::milliseconds(250);
-constexpr Duration station_silent = std::chrono::milliseconds(50);
 constexpr Duration complaint_holds = std::chrono::milliseconds(500);
 constexpr std::uint64_t unframed_limit = 1000;  // bytes a second; one station at 240 Hz sends 11520
 
@@ -61,12 +59,12 @@ void Streaming::take(const StationRecord& record, Stamp arrived, LinkCounters& c
 LinkReason Streaming::watch(Stamp now, std::uint64_t unframed_bytes) {
   if (hardware_failed_) return LinkReason::hardware;
 
-  const Duration limit = std::max(5 * period_, station_silent);
+  const Duration limit = std::max(5 * period_, config_.silent / 5);
   for (StationStream& s : stations_)
     if (s.heard() && now - s.last_heard() > limit)
       if (const auto mark = s.mark_missing(now)) put(*mark);
   probe_silent_ = now - probe().last_heard() > limit;
-  if (now - last_heard_ > all_silent) return LinkReason::silent;
+  if (now - last_heard_ > config_.silent) return LinkReason::silent;
 
   if (unframed_then_ == ~std::uint64_t{0}) unframed_then_ = unframed_bytes;
   if (now - second_began_ >= std::chrono::seconds(1)) {

@@ -3,10 +3,11 @@
 //
 // | seen                                                        | verdict                               |
 // |-------------------------------------------------------------|---------------------------------------|
-// | a station silent for more than 5 periods and 50 ms          | its poses are marked missing          |
-// | all silent for more than 250 ms                             | silent                                |
+// | a station silent for more than 5 periods and 50 ms (*)      | its poses are marked missing          |
+// | all silent for more than 250 ms (*)                         | silent                                |
 // | more than 1000 bytes a second that belong to no frame       | wrong_format                          |
 // | an error frame that names failed electronics                | hardware                              |
+// (*) LinkConfig::silent, and a fifth of it
 #pragma once
 
 #include <array>

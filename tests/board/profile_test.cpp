@@ -29,7 +29,9 @@ rate-hz = 60
 crop-px = [10, 20, 640, 480]
 orientation = "UN"
 latency-ms = 82.5
+silent-ms = 2000
 [tracking]
+silent-ms = 300
 gap-ms = 40
 wait-ms = 120
 [pedal]
@@ -51,6 +53,8 @@ seed = 7
   EXPECT_EQ(p.capture.crop_px, (std::array<int, 4>{10, 20, 640, 480}));
   EXPECT_EQ(p.capture.orientation, "UN");
   EXPECT_EQ(p.capture.latency_ms, 82.5);
+  EXPECT_EQ(p.capture.silent_ms, 2000);
+  EXPECT_EQ(p.tracking.silent_ms, 300);
   EXPECT_EQ(p.tracking.gap_ms, 40);
   EXPECT_EQ(p.tracking.wait_ms, 120);
   EXPECT_EQ(p.pedal.mode, PedalMode::toggle);
