@@ -148,6 +148,9 @@ struct SelectExam {
 struct OpenExam {
   std::uint64_t id = 0;
 };
+struct ChooseSweep {  // of the exam selected
+  int by = 0;
+};
 struct NewExam {};  // with the label typed
 struct TypeLabel {
   char32_t character = 0;  // 8: take the last one away
@@ -192,9 +195,9 @@ using Command = std::variant<
     command::BeginContour, command::ExtendContour, command::EndContour, command::RemoveContour,
     command::ChooseTool, command::SetThickness, command::ChooseCompounding, command::ChooseInterpolation,
     command::SetLook, command::FillPage, command::SetOrbit, command::Snapshot, command::SelectExam,
-    command::OpenExam, command::NewExam, command::TypeLabel, command::DeleteExam, command::UndoDelete,
-    command::ScrollExams, command::ChooseExport, command::StartExport, command::CancelExport,
-    command::ChooseProbe, command::ChoosePedalMode, command::SetSound>;
+    command::OpenExam, command::ChooseSweep, command::NewExam, command::TypeLabel, command::DeleteExam,
+    command::UndoDelete, command::ScrollExams, command::ChooseExport, command::StartExport,
+    command::CancelExport, command::ChooseProbe, command::ChoosePedalMode, command::SetSound>;
 
 using Commands = std::vector<Command>;
 

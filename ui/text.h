@@ -152,6 +152,8 @@ struct Texts {
   Words no_exams_cure = "What you record is listed here.";
   Words exam_detail = "{0} · {1} sweeps · {2} B-scans · {3} s";
   Words exam_one_sweep = "{0} · 1 sweep · {1} B-scans · {2} s";
+  Words exam_chosen_sweep = "{0} · sweep {1} of {2} · {3} B-scans · {4} s";
+  Words damaged = "damaged";
   Words being_recorded = "being recorded";
   Words recovered = "recovered";
   Words deleted = "deleted";

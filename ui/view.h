@@ -219,7 +219,7 @@ struct ReviewView {
 
 // ---- Exams ----
 
-enum class ExamState : std::uint8_t { complete, recording, recovered, deleted };
+enum class ExamState : std::uint8_t { complete, recording, recovered, deleted, damaged };
 
 struct ExamView {
   std::uint64_t id = 0;
@@ -231,6 +231,8 @@ struct ExamView {
   ExamState state = ExamState::complete;
   Picture picture;
   bool open = false;
+  int sweep = 0;            // the one chosen, from 1: frames, seconds and picture are of it; 0: of all
+  std::string_view damage;  // one sentence, in place of the numbers
 };
 
 struct ExportView {

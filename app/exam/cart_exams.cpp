@@ -87,6 +87,9 @@ void CartExams::keep() {
     ::sem_timedwait(&wake_, &until);
     take_wishes();
     take_sweeps();
+    take_reviews();
+    take_removals();
+    let_go_of_saved();
     const RecorderStatus status = recorder_->status();
     has_room_.store(recorder_->has_room(), std::memory_order_relaxed);
     const bool rests = at_rest(status);
@@ -96,6 +99,8 @@ void CartExams::keep() {
   }
   take_wishes();
   take_sweeps();
+  take_reviews();
+  take_removals();
 }
 
 void CartExams::take_sweeps() {
@@ -104,8 +109,9 @@ void CartExams::take_sweeps() {
     setup.pressed = sweep->pressed();
     setup.pressed_utc_ns = utc_now_ns() - (settings_.recorder.now() - setup.pressed).count();
     recorder_->begin(std::make_shared<RingSweep>(*sweep, &readings_), std::move(setup));
-    begun_.pop();
     const std::lock_guard lock(mutex_);
+    where_[sweep->id()] = {id_, ++begun_in_exam_};
+    begun_.pop();
     used_ = true;
   }
   if (save_now_.exchange(false, std::memory_order_acq_rel)) recorder_->save_now();
@@ -122,17 +128,114 @@ void CartExams::take_wishes() {
   if (label && used) {
     // A sweep begun before the wish belongs to the former exam.
     take_sweeps();
-    std::unique_ptr<Recorder> next = make_recorder();
-    const std::lock_guard lock(mutex_);
-    former_.push_back(std::exchange(recorder_, std::move(next)));
-    used_ = false;
+    begin_exam();
   }
   if (label) recorder_->set_label(*label);
+}
+
+// The present one becomes a former one.
+void CartExams::begin_exam() {
+  const std::string id = exam_id();
+  std::unique_ptr<Recorder> next = make_recorder();
+  const std::lock_guard lock(mutex_);
+  former_.emplace(id, std::exchange(recorder_, std::move(next)));
+  used_ = false;
+  begun_in_exam_ = 0;
+}
+
+void CartExams::take_reviews() {
+  std::deque<std::pair<std::string, ReviewObject>> reviews;
+  {
+    const std::lock_guard lock(mutex_);
+    reviews.swap(reviews_);
+  }
+  for (auto& [exam, object] : reviews) {
+    if (deleted_.contains(exam)) continue;
+    std::unique_ptr<Recorder> opened;
+    if (!former_.contains(exam)) {
+      RecorderSettings settings = settings_.recorder;
+      settings.new_id.clear();
+      opened = std::make_unique<Recorder>(folder_.file_of(exam), settings);
+    }
+    const std::lock_guard lock(mutex_);
+    if (opened) former_.emplace(exam, std::move(opened));
+    former_[exam]->add_review(std::move(object));
+    reviewed_ = exam;
+  }
+}
+
+void CartExams::take_removals() {
+  std::deque<std::string> wishes;
+  {
+    const std::lock_guard lock(mutex_);
+    wishes.swap(removals_);
+  }
+  for (const std::string& exam : wishes) {
+    Removal answer = removal();
+    ++answer.done;
+    try {
+      if (!exam.empty()) {
+        answer.sentence = remove_now(exam);
+        if (answer.sentence.empty()) answer.exam = exam;
+      } else if (!answer.exam.empty()) {
+        folder_.put_back(answer.exam);
+        deleted_.erase(answer.exam);
+        answer.exam.clear();
+        answer.sentence.clear();
+      }
+    } catch (const StoreError& e) {
+      answer.sentence = e.what();
+    }
+    const std::lock_guard lock(mutex_);
+    removal_ = std::move(answer);
+    list_wanted_ = true;
+  }
+  // The room of what was deleted is needed now.
+  if (!recorder_->has_room() && !removal_.exam.empty()) {
+    try {
+      folder_.forget_deleted();
+    } catch (const StoreError&) {
+      return;  // the recorder says that there is no room
+    }
+    const std::lock_guard lock(mutex_);
+    removal_.exam.clear();
+  }
+}
+
+std::string CartExams::remove_now(const std::string& exam) {
+  take_sweeps();
+  const bool present = exam == exam_id();
+  const auto former = former_.find(exam);
+  Recorder* const writes = present                   ? recorder_.get()
+                           : former == former_.end() ? nullptr
+                                                     : former->second.get();
+  if (writes != nullptr && !at_rest(writes->status()))
+    return "This exam is still being saved: delete it when that is done.";
+  if (present && used_) begin_exam();
+  std::unique_ptr<Recorder> closing;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto f = former_.find(exam); f != former_.end()) {
+      closing = std::move(f->second);
+      former_.erase(f);
+    }
+  }
+  if (closing) closing->finish();
+  folder_.forget_deleted();
+  folder_.set_aside(exam);
+  deleted_.insert(exam);
+  return {};
+}
+
+void CartExams::let_go_of_saved() {
   std::vector<std::unique_ptr<Recorder>> done;  // outside the lock: a recorder's end closes its exam
   const std::lock_guard lock(mutex_);
-  for (auto& former : former_)
-    if (at_rest(former->status())) done.push_back(std::move(former));
-  std::erase(former_, nullptr);
+  for (auto f = former_.begin(); f != former_.end();) {
+    // Of the one under review more changes are to come.
+    const bool stays = f->first == reviewed_ || !at_rest(f->second->status());
+    if (!stays) done.push_back(std::move(f->second));
+    f = stays ? std::next(f) : former_.erase(f);
+  }
 }
 
 void CartExams::read_list() {
@@ -152,7 +255,7 @@ void CartExams::read_list() {
 
 RecorderStatus CartExams::status() const {
   const std::lock_guard lock(mutex_);
-  for (const auto& former : former_)
+  for (const auto& [id, former] : former_)
     if (RecorderStatus s = former->status(); in_trouble(s)) return s;
   return recorder_->status();
 }
@@ -183,10 +286,40 @@ void CartExams::new_exam(std::string label) {
   ::sem_post(&wake_);
 }
 
-std::uint64_t CartExams::add_review(ReviewObject object) {
+std::optional<StoredSweep> CartExams::where(std::int32_t sweep) const {
   const std::lock_guard lock(mutex_);
-  used_ = true;
-  return recorder_->add_review(std::move(object));
+  const auto found = where_.find(sweep);
+  return found == where_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void CartExams::add_review(const std::string& exam, ReviewObject object) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (exam == id_) {
+      used_ = true;
+      recorder_->add_review(std::move(object));
+      return;
+    }
+    reviews_.emplace_back(exam, std::move(object));
+  }
+  ::sem_post(&wake_);
+}
+
+void CartExams::remove(std::string exam) {
+  {
+    const std::lock_guard lock(mutex_);
+    removals_.push_back(std::move(exam));
+  }
+  ::sem_post(&wake_);
+}
+
+void CartExams::put_back() {
+  remove({});
+}
+
+CartExams::Removal CartExams::removal() const {
+  const std::lock_guard lock(mutex_);
+  return removal_;
 }
 
 void CartExams::finish() {
@@ -194,8 +327,13 @@ void CartExams::finish() {
   ending_.store(true, std::memory_order_release);
   ::sem_post(&wake_);
   thread_.join();
-  for (const auto& former : former_) former->finish();
+  for (const auto& [id, former] : former_) former->finish();
   recorder_->finish();
+  try {
+    folder_.forget_deleted();
+  } catch (const StoreError&) {
+    // The next start does it.
+  }
   list_wanted_ = true;
   read_list();
 }

@@ -8,10 +8,13 @@
 #include <semaphore.h>
 
 #include <atomic>
+#include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +34,13 @@ struct CartExamsSettings {
   RecorderSettings recorder;  // without new_id; `now` is the cart's clock
   // How long to wait for a former cart program that is still ending.
   Duration lock_wait = std::chrono::seconds(10);
+};
+
+// A sweep as it is stored.
+struct StoredSweep {
+  std::string exam;        // id
+  std::int64_t sweep = 0;  // 1, 2, 3 ... within the exam
+  bool operator==(const StoredSweep&) const = default;
 };
 
 // One exam holds the sweeps of a run until the next new_exam; its file is made with its first sweep.
@@ -61,8 +71,21 @@ class CartExams {
   // The next sweep begins another exam, of a patient with this label (may be empty). An exam that has no
   // sweep yet only gets the label.
   void new_exam(std::string label);
-  // Of the present exam. Gives a ticket: RecorderStatus::reviews_saved.
-  std::uint64_t add_review(ReviewObject object);
+  // Where the sweep of this run with this id (Sweep::id) goes. Empty for the moments until the keeper has it.
+  std::optional<StoredSweep> where(std::int32_t sweep) const;
+  // To the exam with this id: the present one, or any that is there.
+  void add_review(const std::string& exam, ReviewObject object);
+
+  // Deletes the exam with this id; put_back undoes the last one. Its file goes with the next remove, with the
+  // end of the run, or when recording needs the room. One that is still being saved is not deleted.
+  void remove(std::string exam);
+  void put_back();
+  struct Removal {
+    std::string exam;        // that put_back would bring back; empty: none
+    std::string sentence;    // why the last wish could not be carried out; empty: it was, or is still waiting
+    std::uint64_t done = 0;  // wishes answered
+  };
+  Removal removal() const;
 
   // After the last begin: saves what can be saved and lets go of every sweep; waits for the disk, at most
   // RecorderSettings::goodbye when that is in trouble.
@@ -72,6 +95,11 @@ class CartExams {
   void keep();
   void take_sweeps();
   void take_wishes();
+  void take_reviews();
+  void take_removals();
+  std::string remove_now(const std::string& exam);
+  void begin_exam();
+  void let_go_of_saved();
   void read_list();
   std::unique_ptr<Recorder> make_recorder();
 
@@ -86,10 +114,17 @@ class CartExams {
 
   mutable std::mutex mutex_;  // held for moments, never while the disk works
   std::unique_ptr<Recorder> recorder_;
-  std::vector<std::unique_ptr<Recorder>> former_;  // still saving
+  std::map<std::string, std::unique_ptr<Recorder>> former_;  // by id: still saving, or reviewed just now
+  std::string reviewed_;                                     // the last of them that got a review
   std::string id_;
   bool used_ = false;  // the present exam has a sweep or a review
+  std::int64_t begun_in_exam_ = 0;
+  std::map<std::int32_t, StoredSweep> where_;
+  std::deque<std::pair<std::string, ReviewObject>> reviews_;  // of other exams than the present
   std::optional<std::string> new_exam_;
+  std::deque<std::string> removals_;  // empty: put back
+  Removal removal_;
+  std::set<std::string> deleted_;  // of this run; reviews of them are dropped
   bool list_wanted_ = true;
   std::shared_ptr<const std::vector<ExamSummary>> list_;
 

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* extension = ".exam";
+constexpr const char* deleted = ".deleted";
 constexpr double comfortable_minutes = 10;
 constexpr std::int64_t index_schema = 1;
 
@@ -207,9 +208,13 @@ ExamFolder::NewExam ExamFolder::new_exam() const {
   for (;;) {
     char id[48];
     std::snprintf(id, sizeof id, "%s-%04x", date, random() & 0xffffU);
-    const fs::path file = place_ / (std::string(id) + extension);
+    const fs::path file = file_of(id);
     if (!fs::exists(file)) return {id, file};
   }
+}
+
+fs::path ExamFolder::file_of(const std::string& id) const {
+  return place_ / (id + extension);
 }
 
 void ExamFolder::recover() {
@@ -219,6 +224,7 @@ void ExamFolder::recover() {
     const std::string name = e.path().filename().string();
     if (name.find(std::string(extension) + ".new") != std::string::npos) fs::remove(e.path(), error);
   }
+  forget_deleted();
   for (const fs::path& file : exam_files(place_)) {
     try {
       std::string sentence = recover_exam(file);
@@ -256,6 +262,42 @@ std::string recover_exam(const fs::path& file, const std::string& vfs) {
   writer.add_event("recovered", sentence);
   writer.close();
   return sentence;
+}
+
+namespace {
+
+// With what of its journal is there.
+void rename_exam(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error)
+    throw StoreError(StoreError::Kind::failing, from.string() + ": cannot be renamed: " + error.message());
+  for (const char* end : {"-wal", "-shm"}) {
+    std::error_code none;  // usually there is no journal
+    fs::rename(from.string() + end, to.string() + end, none);
+  }
+}
+
+}  // namespace
+
+void ExamFolder::set_aside(const std::string& id) const {
+  rename_exam(file_of(id), file_of(id).string() + deleted);
+}
+
+void ExamFolder::put_back(const std::string& id) const {
+  rename_exam(file_of(id).string() + deleted, file_of(id));
+}
+
+void ExamFolder::forget_deleted() const {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& e : fs::directory_iterator(place_, error))
+    if (e.path().filename().string().find(std::string(extension) + deleted) != std::string::npos)
+      files.push_back(e.path());
+  for (const fs::path& file : files) fs::remove(file, error);
+  if (error)
+    throw StoreError(StoreError::Kind::failing,
+                     place_.string() + ": a deleted exam cannot be removed: " + error.message());
 }
 
 ExamSummary summarize(const fs::path& file) {

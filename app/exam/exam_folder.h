@@ -48,10 +48,17 @@ class ExamFolder {
     std::filesystem::path file;
   };
   NewExam new_exam() const;
+  std::filesystem::path file_of(const std::string& id) const;
 
   // Newest first. Exams that did not change since are told from the index; damaged ones are listed with
   // their damage.
   std::vector<ExamSummary> list() const;
+
+  // A deleted exam leaves the list at once and its file when forget_deleted is called, at the latest with the
+  // next start. Throw StoreError.
+  void set_aside(const std::string& id) const;
+  void put_back(const std::string& id) const;
+  void forget_deleted() const;
 
   // By id, by an unambiguous beginning of one, or by path. Throws StoreError naming what is there.
   std::filesystem::path find(const std::string& exam) const;

@@ -50,12 +50,14 @@ ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOpti
       foot_(foot),
       options_(options),
       surface_(surface),
-      worker_(threads_for_rendering(), std::move(rendered)),
+      worker_(threads_for_rendering(), rendered),
       session_(worker_, options.pedal == PedalMode::toggle ? ui::PedalMode::toggle : ui::PedalMode::hold),
       screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale}), load_fonts(),
               ui::Texts{}) {
   const ProbeOptions& probe = options_.probe;
   probes_[0] = {probe.name, probe.depth_mm, probe.calibrated, -1};
+  if (cart_.exams() != nullptr)
+    desk_ = std::make_unique<ExamDesk>(*cart_.exams(), session_, std::move(rendered));
   if (cart_.exams() != nullptr && !cart_.exams()->recovered().empty())
     session_.say(cart_.exams()->recovered().back(), std::chrono::seconds(20));
 }
@@ -132,6 +134,7 @@ bool ScreenLoop::listen(Stamp now) {
     news = true;
   }
   follow_sweep(now);
+  if (desk_) news = desk_->listen(now) || news;
   session_.tick(now);
   hand_on_band();
   if (!next_numbers_ || now >= *next_numbers_) {
@@ -216,7 +219,6 @@ void ScreenLoop::fill(Stamp now) {
     saving_ = cart_.exams()->status().sentence;
     view_.status.storage.reason = saving_;
     if (!saving_.empty()) view_.status.storage.health = ui::Health::fault;
-    view_.exams.on_disk = true;
   }
   view_.set_up.storage_place = storage().native();
   view_.set_up.probes = probes_;
@@ -224,6 +226,7 @@ void ScreenLoop::fill(Stamp now) {
   view_.set_up.capture_width = options_.probe.capture_width;
   view_.set_up.capture_height = options_.probe.capture_height;
   session_.fill(view_);
+  if (desk_) desk_->fill(view_.exams, state_ == cart::State::recording);
   if (const auto result = worker_.newest()) drawn_result_ = result->version;
 }
 
@@ -255,6 +258,7 @@ void ScreenLoop::take_snapshot(ui::Window window) {
     file = "snapshot-" + std::to_string(++snapshots_) + ".png";
   } while (std::filesystem::exists(options_.shots / file, error));
   save(file, parts[static_cast<std::size_t>(window)]);
+  if (desk_) desk_->keep_snapshot(options_.shots / file, window);
   session_.say("Saved as " + (options_.shots / file).string() + ".");
 }
 
@@ -281,8 +285,7 @@ void ScreenLoop::carry_out(const ui::Command& command) {
       static_cast<void>(cart_.command(cart::Command::show_live));
     }
   }
-  if (std::holds_alternative<c::NewExam>(command) && cart_.exams() != nullptr)
-    cart_.exams()->new_exam(session_.typed_label());
+  if (desk_ && desk_->carry_out(command)) return;
   session_.apply(command);
 }
 

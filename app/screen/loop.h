@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/screen/exam_desk.h"
 #include "app/screen/run.h"
 #include "app/screen/session.h"
 #include "app/screen/status_view.h"
@@ -83,6 +84,7 @@ class ScreenLoop {
   ui::Surface& surface_;
   RenderWorker worker_;
   Session session_;
+  std::unique_ptr<ExamDesk> desk_;  // null: nothing is saved
   ui::Screen screen_;
   ui::View view_;
   LossLines losses_{};

@@ -28,6 +28,7 @@ const RunSweep* Session::shown() const {
   for (const RunSweep& s : sweeps_) {
     if (s.id == shown_) return &s;
   }
+  if (opened_ && opened_->id == shown_) return &*opened_;
   return nullptr;
 }
 
@@ -54,9 +55,9 @@ void Session::grow_sweep(const RunSweep& sweep, bool done) {
     if (sweep.held.view.frames.size() < 8) return;
     settings_.band.step_mm = pixel_width_mm(sweep.held.view);
     if (const auto plane = default_plane(sweep.held.view, PlaneView::upright)) {
+      leave();
       plane_ = *plane;
       dirty_ = true;
-      shown_ = 0;
     }
     return;
   }
@@ -87,6 +88,7 @@ bool Session::let_go_oldest() {
 }
 
 void Session::show(const RunSweep& sweep) {
+  leave();
   shown_ = sweep.id;
   selected_ = sweep.id;
   ++sweep_version_;
@@ -98,10 +100,19 @@ void Session::show(const RunSweep& sweep) {
   measures_.clear();
   contours_.clear();
   next_landmark_ = 1;
+  next_mark_ = 1;
+  plane_chosen_ = false;
   settings_.band.step_mm = pixel_width_mm(sweep.held.view);
   curve_ = ui::CurveEditor(settings_.band.step_mm);
   result_.reset();
   reset_plane();
+  // Of a sweep that is shown for the first time everything is news.
+  review_changed_ = true;
+  review_rests_.reset();
+  if (const auto known = reviews_.find(sweep.id); known != reviews_.end()) {
+    restore(known->second);
+    review_changed_ = false;
+  }
 }
 
 void Session::reset_plane() {

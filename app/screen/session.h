@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,16 +13,17 @@
 #include <vector>
 
 #include "app/screen/render_worker.h"
+#include "app/screen/review_objects.h"
 #include "ui/command.h"
 #include "ui/interact/curve_editor.h"
 #include "ui/view.h"
 
 namespace sonoband {
 
-// A sweep of this run, as the Exams page lists it.
+// A sweep that can be shown: of this run, or out of an exam.
 struct RunSweep {
   HeldSweep held;
-  std::uint64_t id = 0;
+  std::uint64_t id = 0;  // the same for the same sweep as long as the program runs
   std::string label;
   std::string when;
   double seconds = 0;
@@ -38,6 +40,23 @@ class Session {
   // The oldest sweep but the one shown is let go, to make room. False: there is none.
   bool let_go_oldest();
   std::size_t sweep_count() const { return sweeps_.size() + (deleted_ ? 1 : 0); }
+
+  // A sweep out of an exam, as far as it is loaded; `review` counts when this run has not shown it yet.
+  void open(RunSweep sweep, const SweepReview& review);
+  // More of it is loaded.
+  void grow_opened(const HeldSweep& held);
+  // Shows a sweep that is still in memory. False: it is not.
+  bool show_again(std::uint64_t id);
+  // Its exam is deleted.
+  void forget(std::uint64_t id);
+  std::uint64_t shown_id() const { return shown_; }
+  std::span<const RunSweep> sweeps() const { return sweeps_; }
+
+  // Sweeps whose review has changed and has come to rest, or been left (`all`: come to rest or not). Told
+  // once; `note_change` has it told again.
+  std::vector<std::uint64_t> take_changed(Stamp now, bool all = false);
+  void note_change(std::uint64_t id) { left_changed_.push_back(id); }
+  SweepReview review_of(std::uint64_t id) const;
 
   // Carries out what belongs to it; the others (pedal, windows, quitting) are the caller's.
   void apply(const ui::Command& command);
@@ -70,28 +89,40 @@ class Session {
     ui::Measure kind = ui::Measure::distance;
     std::vector<Eigen::Vector3d> points;
     bool finished = false;
+    int number = 0;
   };
   struct ContourItem {
-    std::int32_t frame = 0;
+    std::int32_t frame = 0;  // negative: its B-scan is not loaded yet
     std::vector<Eigen::Vector2d> points;
     bool finished = false;
+    int number = 0;
+    Stamp captured{};                    // of its B-scan
+    std::vector<Eigen::Vector3d> world;  // of `points`, once it is finished
   };
 
   void show(const RunSweep& sweep);
+  void leave();  // the sweep shown, whose review is kept
+  SweepReview review() const;
+  void restore(const SweepReview& review);
+  void find_contours();
   void reset_plane();
   void ask();
   const RunSweep* shown() const;
   std::int32_t frame_count() const;
   void add_measure_point(const Eigen::Vector3d& p);
-  double value_of(const MeasureItem& m) const;
   void contour(const ui::Command& command);
   void fill_curve(ui::ReviewView& review);
   void fill_marks(ui::ReviewView& review);
   void fill_exams(ui::ExamsView& exams);
 
   RenderWorker& worker_;
-  std::vector<RunSweep> sweeps_;     // newest last
-  std::optional<RunSweep> deleted_;  // the last one, until another is deleted or room is needed
+  std::vector<RunSweep> sweeps_;                  // newest last
+  std::optional<RunSweep> deleted_;               // the last one, until another is deleted or room is needed
+  std::optional<RunSweep> opened_;                // out of an exam
+  std::map<std::uint64_t, SweepReview> reviews_;  // of the sweeps not shown
+  std::vector<std::uint64_t> left_changed_;
+  bool review_changed_ = false;  // of the sweep shown
+  std::optional<Stamp> review_rests_;
   std::uint64_t shown_ = 0;
   std::uint64_t growing_ = 0;
   std::uint64_t sweep_version_ = 1;
@@ -119,6 +150,7 @@ class Session {
   ReslicePlane curve_plane_;
   std::array<int, 2> content_px_{};  // of the plane that just holds the sweep
   double width_per_height_ = 1;      // of the Reslice window
+  bool plane_chosen_ = false;        // by the operator: stays as more of the sweep is loaded
   RenderSettings settings_ = usual_settings();
   ui::CurveEditor curve_;
   double reach_mm_ = 20;
@@ -132,6 +164,7 @@ class Session {
   std::vector<MeasureItem> measures_;
   std::vector<ContourItem> contours_;
   int next_landmark_ = 1;
+  int next_mark_ = 1;  // of measurements and contours
 
   std::string new_label_;
   std::string label_;

@@ -1,6 +1,8 @@
 // What each command does to the session.
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <variant>
 
 #include "app/screen/session.h"
 #include "ui/interact/plane_motion.h"
@@ -20,10 +22,31 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
+// Not what only moves what is shown, and not what the windows' shape makes of the plane.
+bool changes_review(const ui::Command& command) {
+  namespace c = ui::command;
+  return std::visit(
+      []<class C>(const C&) {
+        return std::disjunction_v<
+            std::is_same<C, c::MovePlane>, std::is_same<C, c::ZoomPlane>, std::is_same<C, c::TurnPlane>,
+            std::is_same<C, c::PushPlane>, std::is_same<C, c::TiltPlane>, std::is_same<C, c::ResetPlane>,
+            std::is_same<C, c::EndStroke>, std::is_same<C, c::DragVertex>, std::is_same<C, c::DropVertex>,
+            std::is_same<C, c::ClearCurve>, std::is_same<C, c::UndoCurve>, std::is_same<C, c::RedoCurve>,
+            std::is_same<C, c::SetReach>, std::is_same<C, c::PlaceLandmark>,
+            std::is_same<C, c::RemoveLandmark>, std::is_same<C, c::AddMeasurePoint>,
+            std::is_same<C, c::FinishMeasure>, std::is_same<C, c::ClearMeasures>,
+            std::is_same<C, c::EndContour>, std::is_same<C, c::RemoveContour>,
+            std::is_same<C, c::SetThickness>, std::is_same<C, c::ChooseCompounding>,
+            std::is_same<C, c::ChooseInterpolation>>;
+      },
+      command);
+}
+
 }  // namespace
 
 void Session::add_measure_point(const Eigen::Vector3d& p) {
-  if (measures_.empty() || measures_.back().finished) measures_.push_back({measure_, {}, false});
+  if (measures_.empty() || measures_.back().finished)
+    measures_.push_back({measure_, {}, false, next_mark_++});
   MeasureItem& m = measures_.back();
   m.points.push_back(p);
   const std::size_t needs = m.kind == ui::Measure::distance ? 2 : 3;
@@ -34,7 +57,7 @@ void Session::contour(const ui::Command& command) {
   namespace c = ui::command;
   const auto now = static_cast<std::int32_t>(current_);
   if (const auto* begin = std::get_if<c::BeginContour>(&command)) {
-    contours_.push_back({now, {begin->at_px}, false});
+    contours_.push_back({now, {begin->at_px}, false, next_mark_++, {}, {}});
   } else if (const auto* extend = std::get_if<c::ExtendContour>(&command)) {
     if (contours_.empty() || contours_.back().finished) return;
     // A point a pixel from the last adds nothing but work.
@@ -42,8 +65,13 @@ void Session::contour(const ui::Command& command) {
       contours_.back().points.push_back(extend->to_px);
   } else if (std::holds_alternative<c::EndContour>(command)) {
     if (contours_.empty() || contours_.back().finished) return;
-    contours_.back().finished = true;
-    if (contours_.back().points.size() < 3) contours_.pop_back();
+    ContourItem& item = contours_.back();
+    item.finished = true;
+    if (item.points.size() < 3 || item.frame >= frame_count()) return contours_.pop_back();
+    const TrackedFrame& f = *shown()->held.view.frames[item.frame];
+    item.captured = f.captured;
+    for (const Eigen::Vector2d& p : item.points)
+      item.world.push_back((f.world_from_image * Point<frame::Image>{{p.x(), p.y(), 0}}).v);
   } else {
     std::erase_if(contours_, [&](const ContourItem& item) { return item.frame == now; });
   }
@@ -52,6 +80,10 @@ void Session::contour(const ui::Command& command) {
 void Session::apply(const ui::Command& command) {
   namespace c = ui::command;
   changed_ = true;
+  if (changes_review(command)) {
+    review_changed_ = true;
+    review_rests_.reset();
+  }
   const auto last = static_cast<double>(std::max(0, frame_count() - 1));
   const auto show_frame = [&](double index) {
     current_ = std::clamp(index, 0.0, last);
@@ -59,6 +91,7 @@ void Session::apply(const ui::Command& command) {
   };
   const auto move = [&](const ReslicePlane& plane) {
     if (frame_count() == 0) return;
+    plane_chosen_ = true;
     plane_ = plane;
     dirty_ = true;
   };
@@ -93,7 +126,10 @@ void Session::apply(const ui::Command& command) {
           [&](const c::TiltPlane& by) {
             move_out(ui::tilted(plane_, by.about_right_rad, by.about_down_rad, by.about_mm));
           },
-          [&](const c::ResetPlane&) { reset_plane(); },
+          [&](const c::ResetPlane&) {
+            plane_chosen_ = false;
+            reset_plane();
+          },
           [&](const c::ShapePlane& to) {
             width_per_height_ = std::clamp(to.width_per_height, 0.2, 5.0);
             if (frame_count() > 0) shape_plane();
@@ -163,14 +199,7 @@ void Session::apply(const ui::Command& command) {
           [&](const c::SetOrbit& o) { orbit_ = o.orbit; },
           [&](const c::Snapshot& s) { snapshot_ = s.window; },
           [&](const c::SelectExam& e) { selected_ = e.id; },
-          [&](const c::OpenExam& e) {
-            for (const RunSweep& s : sweeps_) {
-              if (s.id != e.id || s.held.view.frames.empty()) continue;
-              show(s);
-              page_ = ui::Page::review;
-              break;
-            }
-          },
+          [&](const c::OpenExam& e) { show_again(e.id); },
           [&](const c::NewExam&) {
             label_ = new_label_;
             sheet_ = ui::Sheet::none;
@@ -192,7 +221,7 @@ void Session::apply(const ui::Command& command) {
           },
           [&](const c::DeleteExam& e) {
             if (e.id == shown_) {
-              shown_ = 0;
+              leave();
               result_.reset();
               ++sweep_version_;
             }

@@ -3,21 +3,8 @@
 #include <cmath>
 
 #include "app/screen/session.h"
-#include "core/review/measure.h"
 
 namespace sonoband {
-
-double Session::value_of(const MeasureItem& m) const {
-  switch (m.kind) {
-    case ui::Measure::distance:
-      return path_mm(m.points);
-    case ui::Measure::angle:
-      return m.points.size() == 3 ? angle_deg(m.points[0], m.points[1], m.points[2]) : 0;
-    case ui::Measure::area:
-      break;
-  }
-  return area_mm2(m.points);
-}
 
 void Session::fill(ui::View& view) {
   changed_ = false;
@@ -49,12 +36,12 @@ void Session::fill(ui::View& view) {
       r.frames = growing_held_->view.frames;
       if (shown_ == 0) view.live.growing = band;
     }
-  } else if (const RunSweep* s = shown()) {
+  } else if (const RunSweep* s = shown(); s != nullptr && frame_count() > 0) {
     r.frames = s->held.view.frames;
     r.current = std::clamp(static_cast<std::int32_t>(current_), 0, frame_count() - 1);
     r.playing = playing_;
     const TrackedFrame& f = *r.frames[r.current];
-    r.bscan = {f.bscan.pixels, {}, f.bscan.kind, (s->id << 32) + static_cast<std::uint64_t>(r.current) + 1};
+    r.bscan = {f.bscan.pixels, {}, f.bscan.kind, (s->id << 32) + static_cast<std::uint64_t>(f.sequence) + 1};
     r.has_doppler = f.bscan.kind == PixelKind::doppler;
     r.band = band;
     view.live.growing = band;
@@ -108,10 +95,11 @@ void Session::fill_marks(ui::ReviewView& r) {
   r.landmarks = landmarks_;
   measure_views_.clear();
   for (const MeasureItem& m : measures_)
-    measure_views_.push_back({m.kind, m.points, value_of(m), m.finished});
+    measure_views_.push_back({m.kind, m.points, measured(m.kind, m.points), m.finished});
   r.measures = measure_views_;
   contour_views_.clear();
   for (const ContourItem& item : contours_) {
+    if (item.frame < 0) continue;
     double area = 0;
     if (item.finished && item.frame < static_cast<std::int32_t>(r.frames.size())) {
       const TrackedFrame& f = *r.frames[item.frame];

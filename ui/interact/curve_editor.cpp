@@ -105,6 +105,15 @@ void CurveEditor::drop() {
   changed();
 }
 
+void CurveEditor::restore(EditedCurve curve) {
+  drawing_ = false;
+  held_ = -1;
+  done_.clear();
+  undone_.clear();
+  now_ = std::move(curve);
+  changed();
+}
+
 void CurveEditor::clear() {
   if (now_.line.empty()) return;
   drop();

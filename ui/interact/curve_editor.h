@@ -33,6 +33,10 @@ class CurveEditor {
   void drop();
   bool holding() const { return held_ >= 0; }
 
+  // One that was drawn earlier; what was here is forgotten.
+  void restore(EditedCurve curve);
+  const EditedCurve& kept() const { return now_; }
+
   void clear();
   void undo();
   void redo();

@@ -20,6 +20,8 @@ std::string_view state_words(const ExamView& exam, const Texts& t) {
       return t.being_recorded;
     case ExamState::recovered:
       return t.recovered;
+    case ExamState::damaged:
+      return t.damaged;
     case ExamState::deleted:
       break;
   }
@@ -27,12 +29,27 @@ std::string_view state_words(const ExamView& exam, const Texts& t) {
 }
 
 Line detail_of(const ExamView& exam, const Texts& t) {
+  if (exam.sweep > 0 && exam.sweeps > 1)
+    return {t.exam_chosen_sweep,
+            {exam.when, number(exam.sweep, 0), number(exam.sweeps, 0),
+             count(static_cast<std::uint64_t>(exam.frames)), number(exam.seconds, 0)}};
   if (exam.sweeps == 1)
     return {t.exam_one_sweep,
             {exam.when, count(static_cast<std::uint64_t>(exam.frames)), number(exam.seconds, 0)}};
   return {t.exam_detail,
           {exam.when, number(exam.sweeps, 0), count(static_cast<std::uint64_t>(exam.frames)),
            number(exam.seconds, 0)}};
+}
+
+// Which sweep of an exam with several is meant: one back, one on.
+void draw_sweep_choice(Ui& ui, Rect& inside, const ExamView& exam) {
+  const float side = ui.metrics.target;
+  ButtonLook on{Icon::forward, Role::plain, false, exam.sweep < exam.sweeps, false};
+  if (button(ui, "exams/next-sweep", inside.cut_right(side), "", on)) ui.send(command::ChooseSweep{1});
+  inside.cut_right(ui.px(8));
+  ButtonLook back{Icon::back, Role::plain, false, exam.sweep > 1, false};
+  if (button(ui, "exams/previous-sweep", inside.cut_right(side), "", back)) ui.send(command::ChooseSweep{-1});
+  inside.cut_right(ui.px(12));
 }
 
 void draw_row(Ui& ui, const Rect& r, const View& view, const ExamView& exam, int place) {
@@ -55,9 +72,11 @@ void draw_row(Ui& ui, const Rect& r, const View& view, const ExamView& exam, int
   const float width = ui.draw.picture_width(slot);
   if (width > 0) ui.draw.picture(slot, fit(picture, width, ui.draw.picture_height(slot)), view.review.look);
   inside.cut_left(ui.px(16));
+  if (chosen && exam.sweep > 0 && exam.sweeps > 1) draw_sweep_choice(ui, inside, exam);
   const std::string_view state = state_words(exam, t);
   if (!state.empty()) {
-    const Colour c = exam.state == ExamState::recovered ? colour::warning : colour::accent;
+    const bool warns = exam.state == ExamState::recovered || exam.state == ExamState::damaged;
+    const Colour c = warns ? colour::warning : colour::accent;
     ui.draw.text_in(inside.cut_right(ui.draw.width_of(Type::small, state) + ui.px(10)), Align::right,
                     Type::small, c, state);
   }
@@ -66,7 +85,11 @@ void draw_row(Ui& ui, const Rect& r, const View& view, const ExamView& exam, int
   const Rect lower = row(inside, 1, 2, 0);
   ui.draw.text_in(upper, Align::left, Type::strong, named ? colour::ink : colour::ink_quiet,
                   named ? exam.label : t.no_label);
-  ui.draw.text_in(lower, Align::left, Type::small, colour::ink_quiet, detail_of(exam, t));
+  if (exam.damage.empty()) {
+    ui.draw.text_in(lower, Align::left, Type::small, colour::ink_quiet, detail_of(exam, t));
+  } else {
+    ui.draw.text_in(lower, Align::left, Type::small, colour::warning, exam.damage);
+  }
 }
 
 }  // namespace
