@@ -59,7 +59,8 @@ ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settin
   Profile profile;
   profile.ring.frames = static_cast<int>(settings_.ring_frames);
   profile.pedal.mode = settings_.screen.pedal;
-  cart_ = make_appliance(board, profile, clock_);
+  profile.exams.reserve_mb = 1;
+  cart_ = make_appliance(board, profile, clock_, settings_.exams);
   foot_ = board.foot;
   member_.emplace(*clock_);
   cart_->start();

@@ -26,6 +26,7 @@ struct ScreenCartSettings {
   CartFaults faults;
   std::uint32_t ring_frames = 300;
   double frames_hz = 30;
+  std::filesystem::path exams;  // empty: nothing is saved
 };
 
 // The clock starts at 1000 s. One at a time; the thread that makes it plays.
