@@ -169,6 +169,7 @@ bool ExamDesk::carry_out(const ui::Command& command) {
   } else if (const auto* scroll = std::get_if<c::ScrollExams>(&command)) {
     shelf_.scroll(scroll->by);
   } else if (const auto* opens = std::get_if<c::OpenExam>(&command)) {
+    shelf_.select(opens->id);
     if (const auto key = shelf_.key_of(opens->id)) open(*key);
   } else if (const auto* removes = std::get_if<c::DeleteExam>(&command)) {
     if (const auto key = shelf_.key_of(removes->id)) remove(key->first);

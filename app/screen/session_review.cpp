@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "app/screen/session.h"
-#include "core/reslice/default_plane.h"
+#include "ui/interact/plane_motion.h"
 
 namespace sonoband {
 namespace {
@@ -98,7 +98,9 @@ SweepReview Session::review_of(std::uint64_t id) const {
 SweepReview Session::review() const {
   SweepReview r;
   if (frame_count() > 0 && content_px_[0] > 0) {
-    r.plane = plane_;
+    // As large as the sweep needs it: the windows' shape is not the operator's doing.
+    const auto [width, height] = content_px_;
+    r.plane = ui::shaped(plane_, width, height, static_cast<double>(width) / height);
     r.content_px = content_px_;
   }
   r.settings = settings_;

@@ -56,6 +56,33 @@ std::vector<std::string> review_stored(const fs::path& file) {
   return all;
 }
 
+// To the last bit but for the plane: fitting it to a window and back rounds.
+void expect_same(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!a[i].starts_with("sweep1/plane ")) {
+      EXPECT_EQ(a[i], b[i]);
+      continue;
+    }
+    const auto read = [](const std::string& text) {
+      exam::ReviewObject o;
+      o.object = "sweep1/plane";
+      o.kind = exam::ReviewKind::plane;
+      o.json = text.substr(text.find(' ') + 1);
+      std::vector<std::string> refused;
+      return review_of(std::span(&o, 1), 1, refused).plane.value();
+    };
+    const ReslicePlane p = read(a[i]);
+    const ReslicePlane q = read(b[i]);
+    EXPECT_LT((p.origin.v - q.origin.v).norm(), 1e-9);
+    EXPECT_EQ(p.right.v, q.right.v);
+    EXPECT_EQ(p.down.v, q.down.v);
+    EXPECT_EQ(p.pixel_mm, q.pixel_mm);
+    EXPECT_EQ(p.width, q.width);
+    EXPECT_EQ(p.height, q.height);
+  }
+}
+
 fs::path exam_in(const fs::path& folder) {
   for (const fs::directory_entry& e : fs::directory_iterator(folder))
     if (e.path().extension() == ".exam") return e.path();
@@ -80,6 +107,7 @@ tap review/picture
 tap tools/measure
 tap review/picture
 tap reslice/picture
+tap tools/move
 tap rail/snapshot
 wait 0.5
 )");
@@ -104,7 +132,10 @@ TEST(ExamsOnTheScreen, WhatReviewMadeComesBackInALaterRunAfterAKill) {
     made = review_shown(cart);
     EXPECT_EQ(made.size(), 5u);  // plane, band, curve, landmark, measurement
     const fs::path file = exam_in(folder / "exams");
-    ASSERT_TRUE(until(cart, [&] { return all_saved(cart) && review_stored(file) == made; }));
+    ASSERT_TRUE(until(cart, [&] { return all_saved(cart) && review_stored(file).size() == made.size(); }));
+    cart.play("wait 0.5\n");
+    ASSERT_TRUE(until(cart, [&] { return all_saved(cart); }));
+    expect_same(review_stored(file), made);
     // What a kill would leave.
     fs::copy(folder / "exams", killed / "exams", fs::copy_options::recursive);
     cart.loop().wait_for_renderings();
@@ -117,7 +148,7 @@ TEST(ExamsOnTheScreen, WhatReviewMadeComesBackInALaterRunAfterAKill) {
     open_first(cart);
     ASSERT_TRUE(until(cart, [&] { return cart.loop().view().review.frames.size() == frames; }));
     cart.play("wait 0.5\n");
-    EXPECT_EQ(review_shown(cart), made);
+    expect_same(review_shown(cart), made);
     cart.loop().wait_for_renderings();
     const Pixels& again = cart.loop().worker().newest()->planar->band.pixels;
     ASSERT_EQ(again.width(), band.width());
@@ -176,7 +207,7 @@ TEST(ExamsOnTheScreen, DeletedExamsComeBackByUndoAndGoWithTheNextStart) {
     EXPECT_TRUE(exam::ExamReader(file).verify().damage.empty());
     cart.play("double-tap exams/0\n");
     ASSERT_TRUE(until(cart, [&] { return !cart.loop().view().review.frames.empty(); }));
-    cart.play("tap rail/exams\ntap exams/delete\n");
+    cart.play("tap rail/exams\ntap exams/0\ntap exams/delete\n");
     ASSERT_TRUE(until(cart, [&] { return !cart.has("exams/0"); }));
   }
   EXPECT_TRUE(exam_in(folder / "exams").empty());
