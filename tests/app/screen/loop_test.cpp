@@ -66,7 +66,7 @@ TEST(Loop, ASnapshotNeverReplacesAnother) {
   EXPECT_TRUE(std::filesystem::exists(settings.screen.shots / "snapshot-2.png"));
 }
 
-TEST(Loop, WithoutAPedalTheRecordButtonHoldsAndReleases) {
+TEST(Loop, TheRecordButtonIsHeldLikeThePedal) {
   ScreenCart cart(in_scratch());
   cart.play("await live 5\nwait 2\nhold live/record 1.0\nawait review 5\nwait 0.2\n");
   EXPECT_EQ(cart.loop().session().sweep_count(), 1u);
