@@ -106,7 +106,7 @@ void measure(double length_s) {
     Series band_cpu{"of that, outside the rasteriser: screen + render, cpu ms", {}};
     Series render{"of that, the 14 mm band on the render thread, cpu ms", {}};
     Series first{"the first frame: fonts and shaders are made, cpu ms", {}};
-    Series still{"while dragging: frames drawn from one band to the next", {}};
+    Series still{"while dragging: frames drawn from an event to its band", {}};
     Series age{"live: age of the newest picture when drawn, ms", {}};
     Series heap{"live and review: allocations of a frame", {}};
     ui::Input input;
@@ -168,6 +168,7 @@ void measure(double length_s) {
           event = start;
           worked = ms(times.view + times.panels + times.commands);
           waiting = true;
+          without = 0;
           awaited = shown;
         }
         input.clear();
