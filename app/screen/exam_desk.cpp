@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace sonoband {
 namespace {
@@ -116,7 +117,7 @@ bool ExamDesk::load_on(Stamp now) {
 }
 
 bool ExamDesk::listen(Stamp now) {
-  bool news = shelf_.listen();
+  bool news = shelf_.listen() || std::exchange(changed_, false);
   take_opened();
   news = load_on(now) || news;
   save_review(now, false);
@@ -178,6 +179,7 @@ bool ExamDesk::carry_out(const ui::Command& command) {
   } else {
     return false;
   }
+  changed_ = true;
   return true;
 }
 

@@ -58,6 +58,7 @@ class ExamDesk {
   };
   std::optional<Loading> loading_;
   std::uint64_t removals_answered_ = 0;
+  bool changed_ = false;  // by a command
 };
 
 }  // namespace sonoband

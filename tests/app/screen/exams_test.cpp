@@ -137,6 +137,7 @@ TEST(ExamsOnTheScreen, WhatReviewMadeComesBackInALaterRunAfterAKill) {
     ASSERT_TRUE(until(cart, [&] { return all_saved(cart); }));
     expect_same(review_stored(file), made);
     // What a kill would leave.
+    fs::create_directories(killed);
     fs::copy(folder / "exams", killed / "exams", fs::copy_options::recursive);
     cart.loop().wait_for_renderings();
     band = cart.loop().worker().newest()->planar->band.pixels.copy();
