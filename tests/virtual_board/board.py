@@ -181,16 +181,19 @@ class Board:
 
     def off(self):
         self.begin('sync; poweroff -f')
+        code = None
         try:
-            self.qemu.wait(30)
+            code = self.qemu.wait(60)
         except subprocess.TimeoutExpired:
             pass
         self.cut()
+        require(code == 0, f'the board did not switch itself off: QEMU ended with {code}')
 
     def cut(self):
         if self.qemu.poll() is None:
             self.qemu.send_signal(signal.SIGKILL)
         self.qemu.wait()
-        self.usb.stop()
+        code = self.usb.stop()
         self.console.close()
         self.errors.close()
+        require(code == 0, f'the USB devices ended with {code}')

@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
   SystemClock clock;
   sim::SceneSettings settings;
   settings.preset = argv[1];
-  const sim::SimulatedScene scene = sim::make_scene(settings);
+  sim::SimulatedScene scene = sim::make_scene(settings);
+  scene.scanner.format = PixelFormat::grey8;  // as the camera takes it, whatever the scanner would show
   const sim::ProbePose pose = [hand = scene.hand](Stamp t) { return hand->tracker_from_probe(t); };
 
   std::map<std::string, Socket> sockets;

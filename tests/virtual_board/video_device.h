@@ -11,6 +11,7 @@ namespace sonoband::virtual_board {
 
 class VideoUsbDevice final : public UsbDevice {
  public:
+  // `paint` gives grey8.
   VideoUsbDevice(int width, int height, int rate_hz, Clock& clock, sim::PaintFrame paint);
 
   const Bytes& device_descriptor() const override { return device_; }
