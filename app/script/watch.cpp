@@ -28,6 +28,7 @@ const char* word(DeviceState state) {
 }  // namespace
 
 std::optional<std::string> Watch::line(const cart::ApplianceStatus& status) {
+  if (status.at == Stamp{}) return std::nullopt;  // the cart has not said anything yet
   const cart::CartStatus& cart = status.cart;
   nlohmann::ordered_json states{{"state", cart::name_of(cart.state)},
                                 {"note", cart::sentence_of(cart.note)},
