@@ -231,8 +231,8 @@ struct ExamView {
   ExamState state = ExamState::complete;
   Picture picture;
   bool open = false;
-  int sweep = 0;            // the one chosen, from 1: frames, seconds and picture are of it; 0: of all
-  std::string_view damage;  // one sentence, in place of the numbers
+  int sweep = 0;                 // the one chosen, from 1: frames, seconds and picture are of it; 0: of all
+  std::string_view damage = {};  // one sentence, in place of the numbers
 };
 
 struct ExportView {

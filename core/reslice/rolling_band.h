@@ -23,7 +23,7 @@ namespace sonoband {
 // thickness changes, a layer has the same bits however the band got there, and the picture is, to the last
 // bit, its layers compounded; each is render_planar's thin picture but for ties, and the whole so
 // render_planar's. The first picture of a plane, and one whose compounding alone differs, is render_planar's
-// itself: layers are painted when the band first moves, in the time of two or three such pictures.
+// itself: layers are painted when the band first moves, in the time of four to six such pictures.
 //
 // Memory: up to 3 bytes per pixel and layer kept, of at most 1.5 N + 32 layers, and 6 + 32 per pixel: 14 mm
 // of 640x480 hold 140 MB at most, 75 MB at first.
