@@ -170,7 +170,8 @@ int run(const Options& options) {
     std::fprintf(stderr, "sonoband: %s\n", cart->priority_warning().c_str());
   std::optional<ServiceWatch> watch(std::in_place, [&cart] { return cart->beats(); });
   if (window) {
-    run_window(*cart, board.foot, screen, board.touch.get());
+    CuePlayer cues(alsa_sink());
+    run_window(*cart, board.foot, screen, board.touch.get(), &cues);
   } else if (script::needs_screen(steps)) {
     run_headless(*cart, board.foot, screen, steps, script_name);
     std::printf("Played %s; its pictures are in %s\n", script_name.c_str(), screen.shots.c_str());

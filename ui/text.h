@@ -180,6 +180,7 @@ struct Texts {
   Words pull_reach = "r {0} mm";
   Words sound = "Sound";
   Words sound_words = "A tone when recording starts and stops.";
+  Words no_sound = "No loudspeaker was found: recording makes no sound.";
   Words crop = "Picture area";
   Words crop_line = "{0} × {1} px from {2}, {3} of {4} × {5}";
   Words storage_line = "{0} · {1} min left";

@@ -267,7 +267,8 @@ struct SetUpView {
   std::span<const ProbeView> probes;
   int probe = 0;
   PedalMode pedal_mode = PedalMode::hold;
-  bool has_sound = false;  // the machine can make one
+  bool has_sound = false;      // the machine can make one
+  bool sound_missing = false;  // it should, and has no loudspeaker
   bool sound = true;
   Rect crop_px;  // of the capture
   int capture_width = 0;

@@ -9,6 +9,7 @@
 
 #include "app/bad_input.h"
 #include "app/exchange/png.h"
+#include "app/screen/cues.h"
 #include "app/screen/fonts.h"
 #include "app/thread_time.h"
 
@@ -127,12 +128,15 @@ bool ScreenLoop::listen(Stamp now) {
                     status.cart.acquisition.pose_quality};
   bool news = lamps != lamps_;
   lamps_ = lamps;
-  state_ = status.cart.state;
+  cart::Note noted = cart::Note::none;
   if (status.cart.note != cart::Note::none && status.cart.noted != noted_) {
     noted_ = status.cart.noted;
+    noted = status.cart.note;
     session_.say(cart::sentence_of(status.cart.note));
     news = true;
   }
+  const auto cue = cue_of(std::exchange(state_, status.cart.state), status.cart.state, noted);
+  if (cue && cues_ != nullptr && session_.sound()) cues_->play(*cue);
   follow_sweep(now);
   if (desk_) news = desk_->listen(now) || news;
   session_.tick(now);
@@ -215,6 +219,8 @@ void ScreenLoop::fill(Stamp now) {
   if (touch_) view_.status.touch = touch_status(*touch_);
   fill_live(now, fps);
   view_.set_up.version = options_.version;
+  view_.set_up.has_sound = cues_ != nullptr && cues_->works();
+  view_.set_up.sound_missing = cues_ != nullptr && !cues_->works();
   if (cart_.exams() != nullptr) {
     saving_ = cart_.exams()->status().sentence;
     view_.status.storage.reason = saving_;

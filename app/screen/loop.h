@@ -26,6 +26,8 @@ class ScreenLoop {
   bool listen(Stamp now);
   // How the board's touchscreen is; not called where there is none.
   void tell_touch(const DeviceHealth& health);
+  // What makes the cues of recording, and outlives the loop; without it there is no sound.
+  void give_sound(CuePlayer* cues) { cues_ = cues; }
   // Draws a frame and carries out what it asked for.
   void draw(const ui::Input& input, Stamp now);
 
@@ -99,6 +101,7 @@ class ScreenLoop {
   double fps_ = 25;     // that the scanner sends when it does
   Lamps lamps_;
   std::optional<DeviceHealth> touch_;
+  CuePlayer* cues_ = nullptr;
   FrameLease lease_;  // while a frame is made
   std::array<ui::ProbeView, 1> probes_;
   std::uintmax_t disk_bytes_ = 0;

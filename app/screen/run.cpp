@@ -11,9 +11,11 @@
 
 namespace sonoband {
 
-void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch) {
+void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch,
+                CuePlayer* cues) {
   ui::WindowSurface window({"Sonoband", options.width, options.height, options.full_screen});
   ScreenLoop loop(cart, foot, options, window, [&window] { window.wake(); });
+  loop.give_sound(cues);
   std::optional<TouchReader> fingers;
   if (touch != nullptr) fingers.emplace(*touch, cart.clock(), [&window] { window.wake(); });
   ui::Input input;

@@ -11,6 +11,7 @@
 #include "board/profile.h"
 #include "core/geometry/plane.h"
 #include "core/reslice/band.h"
+#include "hal/sound/cue_player.h"
 #include "ui/rect.h"
 #include "ui/view.h"
 
@@ -49,10 +50,11 @@ struct ScreenOptions {
 using Foot = std::function<bool(bool down)>;
 
 // In a window, until it is closed. `cart` is started and owned by the calling thread. `touch` is the board's
-// touchscreen, read on a thread of its own; null: fingers come through the window system. Throws
-// std::runtime_error with one sentence when there is no display, BadInput where a font or a folder fails.
-void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
-                Touch* touch = nullptr);
+// touchscreen, read on a thread of its own; null: fingers come through the window system. `cues` makes the
+// sounds; null: none. Throws std::runtime_error with one sentence when there is no display, BadInput where a
+// font or a folder fails.
+void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch = nullptr,
+                CuePlayer* cues = nullptr);
 
 // In memory, until the script is over. The calling thread is a member of the cart's clock. The same script
 // gives the same pictures on a simulated clock. Throws script::ScriptFailed, and as above.

@@ -119,6 +119,15 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
     right.cut_top(gap);
   }
 
+  if (s.sound_missing && !s.has_sound) {
+    const Rect silent = right.cut_top(title + line + ui.px(16));
+    const Rect words = panel(ui, "", silent, t.sound, "").inside;
+    ui.widgets.add("set-up/no-sound", silent);
+    ui.draw.text_in({words.x + ui.px(4), words.y, words.width, line}, Align::left, Type::body,
+                    colour::warning, t.no_sound);
+    right.cut_top(gap);
+  }
+
   const Rect storage = right.cut_top(std::min(right.height, title + line + ui.px(16)));
   const Rect place = panel(ui, "", storage, t.storage, "").inside;
   ui.widgets.add("set-up/storage", storage);
