@@ -272,7 +272,7 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
     if (!band.holds(i)) gone.push_back(layer(i));
   for (int i = band.first; i <= band.last; ++i)
     if (!counted_.holds(i)) come.push_back(layer(i));
-  const auto layers = static_cast<std::size_t>(band.last - band.first + 1);
+  const auto layers = static_cast<std::size_t>(band.last - band.first) + 1;
   const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
   if (anew) {
     counts_ = ImageBuffer<std::uint16_t>(width, height);

@@ -58,7 +58,8 @@ class RollingBand {
   // Of layers first .. first + 2^level - 1.
   struct Run {
     int level = 0, first = 0;
-    auto operator<=>(const Run&) const = default;
+    // clang-tidy 14 takes the zero that its parts are compared with for a pointer.
+    auto operator<=>(const Run&) const = default;  // NOLINT(modernize-use-nullptr)
   };
   struct Window {
     int first = 0, last = -1;
