@@ -27,6 +27,7 @@ class Cart:
                        f'render band{n}.png view=level thickness-mm=3 compounding=max']
         with open(os.path.join(board.share, name + '.script'), 'w') as f:
             f.write('\n'.join(script) + '\n')
+        self.planned = sweeps
         self.sweeps = 0
         self.job = board.begin(f'mkdir -p {self.folder} && exec sonoband --board virtual --headless --script /share/{name}.script '
                                f'--out {self.folder}/out --exams {self.folder}/exams')

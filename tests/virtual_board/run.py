@@ -16,10 +16,10 @@ work = os.path.join(image, 'run')
 tests = []
 
 
-def test(name, cart=None):
-    """`cart`: the sweep it takes belongs to the cart of this name."""
+def test(name, cart=None, sweeps=1):
+    """`cart`: it needs the cart of this name, and takes so many of its sweeps."""
     def wrap(function):
-        tests.append((name, cart, function))
+        tests.append((name, cart, sweeps, function))
         return function
     return wrap
 
@@ -93,7 +93,7 @@ def boots(bench):
     return next(line for line in log.split('\n') if 'tracker' in line)[18:]
 
 
-@test('the tracker streams')
+@test('the tracker streams', cart='liberty', sweeps=0)
 def streams(bench):
     cart = bench.cart('liberty')
     first = cart.wait(lambda s: s['tracker'] == 'running' and s['readings'] > 0, 'the tracker to run')['readings']
@@ -101,7 +101,7 @@ def streams(bench):
     return f"{more['readings']} readings, {more['pictures']} pictures"
 
 
-@test('a press during boot records nothing until the foot has come up')
+@test('a press during boot records nothing until the foot has come up', cart='liberty', sweeps=0)
 def held(bench):
     cart = bench.cart('liberty')
     before = cart.wait(lambda s: s['video'] == 'running', 'pictures')['pictures']
@@ -121,7 +121,7 @@ def sweep(bench):
     return f"{s['frames']} frames, {s['frames_with_pose']} with a pose"
 
 
-@test('the band is the one that the same sweep gives natively, and its exam is whole')
+@test('the band is the one that the same sweep gives natively, and its exam is whole', cart='liberty', sweeps=0)
 def band(bench):
     """The pose was written as text on the way: its last bit decides ties between pixels, and whether one more begins at the
     plane's far edges. The picture must not differ."""
@@ -135,9 +135,12 @@ def band(bench):
     tool('export', exam['path'], '--to', to, '--sweep', '1')
     stem = os.path.join(to, exam['id'] + '-sweep1')
     here = os.path.join(work, 'band1.png')
+    swept = bench.cart('liberty').lines('sweep')[0]['sweep']
+    first = swept['pre_roll_frames']  # in the exam as well, but of no band
+    frames = f"{first}-{first + swept['frames'] - 1}"
     left, top, right, bottom = Image.open(stem + '-mask.png').getbbox()  # which pixels count: a rectangle, in this scene
     clip = left, top, right - left, bottom - top
-    tool('render', stem + '.igs.mha', '--calibration', stem + '.xml', '--clip', ','.join(map(str, clip)), '--thickness-mm', '3',
+    tool('render', stem + '.igs.mha', '--calibration', stem + '.xml', '--frames', frames, '--clip', ','.join(map(str, clip)), '--thickness-mm', '3',
          '--compounding', 'max', '--out', here)
     a, b = (Image.open(f) for f in (os.path.join(folder, 'out/band1.png'), here))
     apart = [abs(m - n) for m, n in zip(a.size, b.size)]
@@ -324,8 +327,11 @@ def clean_up(bench, passed, last):
         if not passed and bench.cart_ is not None:
             bench.kill_cart()
         if last and bench.cart_ is not None:
-            cart, bench.cart_ = bench.cart_, None
-            cart.end()
+            if bench.cart_.sweeps < bench.cart_.planned:
+                bench.kill_cart()
+            else:
+                cart, bench.cart_ = bench.cart_, None
+                cart.end()
         return True
     except Exception as e:
         print(f'FAILED  to go on after it: {e}', flush=True)
@@ -345,9 +351,9 @@ def main():
     bench = Bench()
     chosen = [t for t in tests if not words or any(word in t[0] for word in words)]
     results = []
-    for n, (name, cart, function) in enumerate(chosen):
-        for _, of, _ in chosen:
-            bench.left[of] = sum(t[1] == of for t in chosen[n:])
+    for n, (name, cart, _, function) in enumerate(chosen):
+        for _, of, _, _ in chosen:
+            bench.left[of] = sum(sweeps for _, c, sweeps, _ in chosen[n:] if c == of)
         passed = judge(bench, name, function)
         later = any(t[1] == cart for t in chosen[n + 1:])
         results.append(clean_up(bench, passed, cart is not None and not later) and passed)
