@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "core/reslice/chain.h"
+#include "core/reslice/chain_cells.h"
 #include "core/reslice/chain_walk.h"
 #include "core/reslice/patch_totals.h"
 #include "core/reslice/tile.h"
@@ -40,26 +40,11 @@ class BandPainter {
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
 
  private:
-  // A chain laid out for patches. Nearest: a cell is a member's, begun by the bisector with the one before.
-  // Linear: a cell lies between two members, begun by the plane of the one before.
-  struct Cells {
-    std::vector<int> members;               // places in tile_.frames
-    std::vector<ChainFrame> frames;         // theirs
-    std::vector<TileDistance> distances;    // theirs; linear only
-    std::vector<ChainShare> shares;         // between neighbours; linear only
-    std::vector<ChainBoundary> boundaries;  // one more than cells
-    bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask
-  };
-
   Interpolation interpolation() const { return linear_ ? Interpolation::linear : Interpolation::nearest; }
-  ChainBoundary boundary(const Lattice& lattice, const AffineScalar& value, int l) const;
-  void lay_out(const Lattice& lattice, const Chain& chain, const std::vector<Candidate>& candidates,
-               const SampleBox& box, int l, Cells& cells) const;
-  bool all_taps_kept(const FrameEntry& frame, const SampleBox& box) const;
   // Returns a cell for the next patch to start from.
-  int paint_cells(const Cells& cells, const PatchSite& site);
-  int paint_layers(const Cells& cells, PatchSite site, int first_layer);
-  void blend_cell(const Cells& cells, int cell, const PatchSite& site, const LayerRange& range,
+  int paint_cells(const ChainCells& cells, const PatchSite& site);
+  int paint_layers(const ChainCells& cells, PatchSite site, int first_layer);
+  void blend_cell(const ChainCells& cells, int cell, const PatchSite& site, const LayerRange& range,
                   LaneMask* masks);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
   void paint_block(const Lattice& lattice, const LatticeBlock& block, const std::vector<int>& frames);
@@ -95,7 +80,7 @@ class BandPainter {
   PatchTotals totals_;
   PatchLayers apart_;
   Tile tile_, next_tile_;
-  Cells cells_;
+  ChainCells cells_;
   Winners winners_;
   PatchPlace place_;
   BlendSide side_a_, side_b_;

@@ -129,11 +129,29 @@ struct TileDistance {
   }
 };
 
-// How two neighbours of a chain share the samples between them: the second has z / gap.
+// The same in 1/2^32 of a unit.
+struct TileFixed {
+  FixedPx first = 0, per_sample = 0, per_row = 0, per_layer = 0;
+  FixedPx at(const PatchSite& p, int l) const {
+    return first + p.da * per_sample + p.db * per_row + l * per_layer;
+  }
+};
+
+// Weights of two frames' values sum to this, which also takes 1/255 level to 1/128: 2^15 128 / 255.
+constexpr int share_full = 16448;
+constexpr int bend_full = 32768;
+
+// How two neighbours of a chain share the samples between them: the second has z / gap, z being the distance
+// from the first and gap that between the two, > 0.
+// Where the gap varies little about its middle m, that is part / (1 + bend) with part = z / m and bend = gap
+// / m - 1, affine both: 16-bit numbers, right modulo 2^16 for any sample between the two, and the quotient a
+// short series.
 struct alignas(64) ChainShare {
-  std::array<float, patch_lanes> z_lanes, gap_lanes;  // from lane 0, in the kernels' order
-  TileDistance z;                                     // signed distance from the first frame
-  TileDistance gap;                                   // between the two, > 0
+  alignas(64) std::array<std::uint16_t, patch_lanes> part_lanes, bend_lanes;  // from lane 0, in lane order
+  alignas(64) std::array<float, patch_lanes> z_lanes, gap_lanes;  // from lane 0, in the kernels' order
+  TileFixed part, bend;                                           // in 1 / share_full and 1 / bend_full
+  TileDistance z, gap;
+  bool even = false;  // the gap varies so little: part and bend are kept, else z and gap
 };
 
 // What a frame gives to a layer of eight lines that follow no lattice; lane k is sample k % 8 of line k / 8.
@@ -181,7 +199,7 @@ struct PatchKernels {
   int (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                     const PatchSite& site, Rule rule, PatchSums& sums);
 
-  // Fills z_lanes and gap_lanes.
+  // Fills the lanes of either kind.
   void (*lay_share)(const LaneGrid& grid, ChainShare& share);
 
   // As take_chain, of bilinear values: cell j lies between frames[j - 1] and frames[j], shared as shares[j -

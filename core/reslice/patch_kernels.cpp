@@ -237,7 +237,24 @@ HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSi
 
 #endif
 
+// Whole parts of a * per_sample + b * per_row, cut off to 16 bits.
+HWY_ATTR inline void lane_wholes(const LaneGrid& grid, const TileFixed& of, std::uint16_t* wholes) {
+  alignas(64) std::int32_t offsets[patch_lanes];
+  lane_positions(grid, of.per_sample, of.per_row, offsets);
+  const Ints ints;
+  const hn::Rebind<std::uint16_t, Ints> words;
+  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(ints)) {
+    const auto whole_part = hn::And(hn::ShiftRight<16>(hn::Load(ints, offsets + k)), hn::Set(ints, 0xffff));
+    hn::StoreU(hn::DemoteTo(words, whole_part), words, wholes + k);
+  }
+}
+
 HWY_ATTR void lay_share(const LaneGrid& grid, ChainShare& share) {
+  if (share.even) {
+    lane_wholes(grid, share.part, share.part_lanes.data());
+    lane_wholes(grid, share.bend, share.bend_lanes.data());
+    return;
+  }
   for (int k = 0; k < patch_lanes; ++k) {
     share.z_lanes[share_place(k)] = share.z.per_sample * grid.a[k] + share.z.per_row * grid.b[k];
     share.gap_lanes[share_place(k)] = share.gap.per_sample * grid.a[k] + share.gap.per_row * grid.b[k];

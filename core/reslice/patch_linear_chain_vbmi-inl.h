@@ -25,78 +25,92 @@ struct CellSite {
   HWY_ATTR HWY_INLINE LaneMask lanes(int l) const { return lanes_between(from, to, site, l); }
 };
 
+// Bilinear values of a frame in layers of a patch, for the cells on both sides of it.
+struct FrameValues {
+  const ChainFrame* frame = nullptr;
+  int first = 0, last = 0;  // layers that are known
+  Wide layers[patch_layers];
+};
+
 template <class FetchTaps>
-HWY_ATTR HWY_INLINE Bilinear<FetchTaps> bilinear_of(const ChainFrame& f) {
-  return {*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0};
+HWY_ATTR void values_of(const ChainFrame& f, const PatchSite& site, int first, int last, Wide* layers) {
+  Bilinear<FetchTaps> values(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
+  FixedPx x = f.x_at(site, first) + foot_from_position, y = f.y_at(site, first) + foot_from_position;
+  for (int l = first; l < last; ++l, x += f.x_per_layer, y += f.y_per_layer) layers[l] = values.at(x, y);
 }
 
-template <Rule rule, class FetchA, class FetchB>
-HWY_ATTR void blend_cell(const ChainFrame& a, const ChainFrame& b, const ChainShare& share,
-                         const CellSite& cell, Gathered<rule>& kept) {
-  Bilinear<FetchA> of_a = bilinear_of<FetchA>(a);
-  Bilinear<FetchB> of_b = bilinear_of<FetchB>(b);
-  const float *z_lanes = share.z_lanes.data(), *gap_lanes = share.gap_lanes.data();
-  const float z = share.z.at(cell.site, 0), gap = share.gap.at(cell.site, 0);
-  const int first = cell.range.low, last = cell.range.high;
-  FixedPx xa = a.x_at(cell.site, first) + foot_from_position,
-          ya = a.y_at(cell.site, first) + foot_from_position;
-  FixedPx xb = b.x_at(cell.site, first) + foot_from_position,
-          yb = b.y_at(cell.site, first) + foot_from_position;
-  Gathered<rule> gathered = kept;
-  for (int l = first; l < last; ++l) {
-    const LaneMask m = cell.lanes(l);
-    if (m != 0) {
-      const auto layer = static_cast<float>(l);
-      const Wide of_second =
-          shares(z + share.z.per_layer * layer, z_lanes, gap + share.gap.per_layer * layer, gap_lanes);
-      const Wide v = blended_words(of_a.at(xa, ya), of_b.at(xb, yb), of_second);
-      gathered.add_words(m, v.low, v.high);
-    }
-    xa += a.x_per_layer;
-    ya += a.y_per_layer;
-    xb += b.x_per_layer;
-    yb += b.y_per_layer;
+HWY_ATTR inline void fill(const ChainFrame& f, const PatchSite& site, int first, int last, Wide* layers) {
+  if (first >= last) return;
+  if (f.frame->fetch == Fetch::rows) {
+    values_of<RowsTaps>(f, site, first, last, layers);
+  } else {
+    values_of<WindowTaps>(f, site, first, last, layers);
   }
-  kept = gathered;
+}
+
+// Makes the layers of `range` known, and those between it and what is known.
+HWY_ATTR inline void know(FrameValues& values, const ChainFrame& f, const PatchSite& site,
+                          const LayerRange& range) {
+  if (values.frame != &f) {
+    values.frame = &f;
+    values.first = values.last = range.low;
+  }
+  fill(f, site, range.low, values.first, values.layers);
+  fill(f, site, values.last, range.high, values.layers);
+  values.first = std::min(values.first, range.low);
+  values.last = std::max(values.last, range.high);
+}
+
+// The second frame's shares at layer l.
+template <bool even>
+class SharesAt {
+ public:
+  HWY_ATTR HWY_INLINE SharesAt(const ChainShare& share, const PatchSite& site) : share_(share) {
+    if constexpr (even) {
+      part_ = share.part.at(site, 0);
+      bend_ = share.bend.at(site, 0);
+    } else {
+      z_ = share.z.at(site, 0);
+      gap_ = share.gap.at(site, 0);
+    }
+  }
+  HWY_ATTR HWY_INLINE Wide at(int l) const {
+    if constexpr (even) {
+      return even_shares(share_, part_ + l * share_.part.per_layer, bend_ + l * share_.bend.per_layer);
+    } else {
+      const auto layer = static_cast<float>(l);
+      return shares(z_ + share_.z.per_layer * layer, share_.z_lanes.data(),
+                    gap_ + share_.gap.per_layer * layer, share_.gap_lanes.data());
+    }
+  }
+
+ private:
+  const ChainShare& share_;
+  FixedPx part_ = 0, bend_ = 0;
+  float z_ = 0, gap_ = 0;
+};
+
+template <Rule rule, bool even>
+HWY_ATTR void blend_cell(const Wide* a, const Wide* b, const ChainShare& share, const CellSite& cell,
+                         Gathered<rule>& sums) {
+  const SharesAt<even> of_second(share, cell.site);
+  Gathered<rule> gathered = sums;
+  for (int l = cell.range.low; l < cell.range.high; ++l) {
+    const Wide v = blended_words(a[l], b[l], of_second.at(l));
+    gathered.add_words(cell.lanes(l), v.low, v.high);
+  }
+  sums = gathered;
 }
 
 // Beyond the last frame.
-template <Rule rule, class FetchTaps>
-HWY_ATTR void take_alone(const ChainFrame& f, const CellSite& cell, Gathered<rule>& kept) {
-  Bilinear<FetchTaps> values = bilinear_of<FetchTaps>(f);
-  Gathered<rule> gathered = kept;
-  for (int l = cell.range.low; l < cell.range.high; ++l) {
-    const LaneMask m = cell.lanes(l);
-    if (m == 0) continue;
-    const Wide v = levels_of(
-        values.at(f.x_at(cell.site, l) + foot_from_position, f.y_at(cell.site, l) + foot_from_position));
-    gathered.add_words(m, v.low, v.high);
-  }
-  kept = gathered;
-}
-
-// False where the lanes lie too far apart for permutes.
 template <Rule rule>
-HWY_ATTR HWY_INLINE bool blend_by_permutes(const ChainFrame& a, const ChainFrame& b, const ChainShare* share,
-                                           const CellSite& cell, Gathered<rule>& gathered) {
-  const Fetch fa = a.frame->fetch, fb = b.frame->fetch;
-  if (fa == Fetch::single || fb == Fetch::single) return false;
-  if (share == nullptr) {
-    if (fa == Fetch::rows) {
-      take_alone<rule, RowsTaps>(a, cell, gathered);
-    } else {
-      take_alone<rule, WindowTaps>(a, cell, gathered);
-    }
-  } else if (fa == Fetch::rows && fb == Fetch::rows) {
-    blend_cell<rule, RowsTaps, RowsTaps>(a, b, *share, cell, gathered);
-  } else if (fa == Fetch::rows) {
-    blend_cell<rule, RowsTaps, WindowTaps>(a, b, *share, cell, gathered);
-  } else if (fb == Fetch::rows) {
-    blend_cell<rule, WindowTaps, RowsTaps>(a, b, *share, cell, gathered);
-  } else {
-    blend_cell<rule, WindowTaps, WindowTaps>(a, b, *share, cell, gathered);
+HWY_ATTR void take_alone(const Wide* values, const CellSite& cell, Gathered<rule>& sums) {
+  Gathered<rule> gathered = sums;
+  for (int l = cell.range.low; l < cell.range.high; ++l) {
+    const Wide v = levels_of(values[l]);
+    gathered.add_words(cell.lanes(l), v.low, v.high);
   }
-  return true;
+  sums = gathered;
 }
 
 template <Rule rule>
@@ -104,14 +118,25 @@ HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
                             const ChainBoundary* boundaries, int count, const PatchSite& site,
                             PatchSums& sums) {
   Gathered<rule> gathered(sums);
+  FrameValues values[2];  // of even and of odd frames
   const int start = walk_conditions(
       boundaries, count, site,
       [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
         const bool alone = cell == 0 || cell == count - 1;
-        const ChainFrame& a = frames[std::max(cell - 1, 0)];
+        const int before = std::max(cell - 1, 0);
+        const ChainFrame& a = frames[before];
         const ChainFrame& b = alone ? a : frames[cell];
         const ChainShare* share = alone ? nullptr : shares + cell - 1;
-        if (blend_by_permutes(a, b, share, CellSite{site, from, to, range}, gathered)) return;
+        const CellSite where{site, from, to, range};
+        if (a.frame->fetch != Fetch::single && b.frame->fetch != Fetch::single) {
+          FrameValues& of_a = values[before % 2];
+          FrameValues& of_b = values[1 - before % 2];
+          know(of_a, a, site, range);
+          if (alone) return take_alone(of_a.layers, where, gathered);
+          know(of_b, b, site, range);
+          if (share->even) return blend_cell<rule, true>(of_a.layers, of_b.layers, *share, where, gathered);
+          return blend_cell<rule, false>(of_a.layers, of_b.layers, *share, where, gathered);
+        }
         gathered.store();
         for (int l = range.low; l < range.high; ++l)
           blend_layer<rule>(a, b, share, site, l, lanes_between(from, to, site, l), sums);

@@ -17,8 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
-// Weights of two frames' values sum to this, which also takes 1/255 level to 1/128: 2^15 128 / 255.
-constexpr int blend_full = 16448;
 constexpr int blend_offset = 128 * 128 + 64;  // the middle level, and a half
 
 // Where ChainShare keeps a lane: packing two vectors of 32-bit numbers to 16 bits mixes their quarters, and
@@ -59,12 +57,28 @@ HWY_ATTR inline std::int32_t bilinear(const PatchFrame& f, FixedPx x, FixedPx y,
   return times(across(t.top), 32767 - lower) + times(across(t.bottom), lower);
 }
 
-// Of two bilinear values, share / blend_full of the second.
+// Of two bilinear values, share / share_full of the second.
 HWY_ATTR inline std::uint8_t blended(std::int32_t a, std::int32_t b, std::int32_t share) {
-  return static_cast<std::uint8_t>((times(a, blend_full - share) + times(b, share) + blend_offset) >> 7);
+  return static_cast<std::uint8_t>((times(a, share_full - share) + times(b, share) + blend_offset) >> 7);
 }
 
-// share_at(l, k): of frame b, 0 .. 1.
+// Cut off to 16 bits, as the vector code's sums are.
+HWY_ATTR inline std::int16_t sum16(std::uint16_t lane, FixedPx at) {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(lane + static_cast<std::uint16_t>(at >> 32)));
+}
+
+// part / (1 + bend), by 1 - bend + bend^2 - bend^3.
+HWY_ATTR inline std::int32_t even_share(const ChainShare& share, FixedPx part_at, FixedPx bend_at, int k) {
+  const std::int32_t part = sum16(share.part_lanes[k], part_at), bend = sum16(share.bend_lanes[k], bend_at);
+  return part - times(part, bend - times(bend, bend - times(bend, bend)));
+}
+
+// 0 .. 1 as a share.
+HWY_ATTR inline std::int32_t share_of(float part) {
+  return static_cast<std::int32_t>(std::lrintf(std::min(std::max(part, 0.0F), 1.0F) * share_full));
+}
+
+// share_at(l, k): of frame b, in 1 / share_full.
 template <Rule rule, class ShareAt>
 HWY_ATTR void blend_lanes(const PatchFrame& a, const FixedPx* xa, const FixedPx* ya, const PatchFrame& b,
                           const FixedPx* xb, const FixedPx* yb, ShareAt share_at, const LaneMask* masks,
@@ -74,9 +88,7 @@ HWY_ATTR void blend_lanes(const PatchFrame& a, const FixedPx* xa, const FixedPx*
     if (masks[l] == 0) continue;
     for (int k = 0; k < patch_lanes; ++k) {
       if (((masks[l] >> k) & 1) == 0) continue;
-      const float share = std::min(std::max(share_at(l, k), 0.0F), 1.0F);
-      values[k] = blended(bilinear(a, xa[l], ya[l], k), bilinear(b, xb[l], yb[l], k),
-                          static_cast<std::int32_t>(std::lrintf(share * blend_full)));
+      values[k] = blended(bilinear(a, xa[l], ya[l], k), bilinear(b, xb[l], yb[l], k), share_at(l, k));
     }
     compound_lanes<rule>(values, masks[l], sums);
   }
@@ -88,7 +100,7 @@ HWY_ATTR void blend_single(const LaneGrid& grid, const LinearSide& a, const Line
   const auto share_at = [&](int l, int k) {
     const float za = a.z[l] + (a.z_per_sample * grid.a[k] + a.z_per_row * grid.b[k]);
     const float zb = b.z[l] + (b.z_per_sample * grid.a[k] + b.z_per_row * grid.b[k]);
-    return za != zb ? za / (za - zb) : 0;
+    return share_of(za != zb ? za / (za - zb) : 0);
   };
   blend_lanes<rule>(*a.frame, a.x, a.y, *b.frame, b.x, b.y, share_at, masks, layers, sums);
 }
@@ -99,14 +111,19 @@ HWY_ATTR void blend_layer(const ChainFrame& a, const ChainFrame& b, const ChainS
                           const PatchSite& site, int l, LaneMask mask, PatchSums& sums) {
   const FixedPx xa = a.x_at(site, l) + foot_from_position, ya = a.y_at(site, l) + foot_from_position;
   const FixedPx xb = b.x_at(site, l) + foot_from_position, yb = b.y_at(site, l) + foot_from_position;
-  const float z = share != nullptr ? share->z.at(site, l) : 0;
-  const float gap = share != nullptr ? share->gap.at(site, l) : 0;
-  const auto share_at = [&](int, int k) {
-    if (share == nullptr) return 0.0F;
-    const int place = share_place(k);
-    return (z + share->z_lanes[place]) / (gap + share->gap_lanes[place]);
+  const auto blend = [&](auto share_at) HWY_ATTR {
+    blend_lanes<rule>(*a.frame, &xa, &ya, *b.frame, &xb, &yb, share_at, &mask, 1, sums);
   };
-  blend_lanes<rule>(*a.frame, &xa, &ya, *b.frame, &xb, &yb, share_at, &mask, 1, sums);
+  if (share == nullptr) return blend([](int, int) { return 0; });
+  if (share->even) {
+    const FixedPx part = share->part.at(site, l), bend = share->bend.at(site, l);
+    return blend([&](int, int k) HWY_ATTR { return even_share(*share, part, bend, k); });
+  }
+  const float z = share->z.at(site, l), gap = share->gap.at(site, l);
+  blend([&](int, int k) HWY_ATTR {
+    const int place = share_place(k);
+    return share_of((z + share->z_lanes[place]) / (gap + share->gap_lanes[place]));
+  });
 }
 
 HWY_ATTR inline void taps_inside_single(const PatchFrame& f, const std::uint8_t* mask,

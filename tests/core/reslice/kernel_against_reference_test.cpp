@@ -89,6 +89,37 @@ TEST(KernelAgainstReference, WidePicturesBlendUpToTheirEdges) {
   }
 }
 
+// Frames fanned so that their gaps differ across a tile a little, much, and from one frame to the next.
+TEST(KernelAgainstReference, FansBlendByTheirGaps) {
+  constexpr double pixel_mm = 0.2;
+  Serial serial;
+  for (const double fan_deg : {0.05, 0.3, 0.8, 2.0}) {
+    test::TestSweep sweep;
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 40; ++i) {
+      const Eigen::Matrix3d axes =
+          Eigen::AngleAxisd((fan_deg * i + 0.1 * fan_deg * (i % 3)) * M_PI / 180, Eigen::Vector3d::UnitX())
+              .toRotationMatrix();
+      sweep.add(150, 90, test::image_pose(axes, {0, 0, 0.4 * i}, pixel_mm),
+                [&](int, int, const Eigen::Vector3d&) { return static_cast<std::uint8_t>(random()); });
+    }
+    for (const double turn_deg : {0.0, 40.0, 90.0}) {
+      const Eigen::Matrix3d axes = (Eigen::AngleAxisd(turn_deg * M_PI / 180, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix();
+      const Eigen::Vector3d middle(15, 6, 8);
+      RenderSettings settings;
+      settings.band = {3, pixel_mm};
+      settings.interpolation = Interpolation::linear;
+      const ReslicePlane plane = *make_plane(middle - 8.0 * axes.col(0) - 7.0 * axes.col(1), axes.col(0),
+                                             axes.col(1), 80, 70, pixel_mm);
+      const test::Difference d = test::compare(render_planar(sweep.view(), plane, settings, serial),
+                                               test::reference_planar(sweep.view(), plane, settings));
+      EXPECT_EQ(d.beyond_one_level, 0) << "fan of " << fan_deg << ", turned by " << turn_deg;
+    }
+  }
+}
+
 // The shares the product promises, over all scenes together.
 TEST(KernelAgainstReference, PromisedShares) {
   test::Difference nearest, linear;
