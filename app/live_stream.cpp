@@ -79,6 +79,7 @@ void LiveStream::follow() {
       exchange::IgtlFrame f;
       f.utc_ns = utc_ns(last);
       f.pixels = newest.tracked.bscan.pixels;
+      f.kind = newest.tracked.bscan.kind;
       f.world = world;
       if (newest.tracked.pose_status == PoseStatus::ok) {
         f.world_from_image = newest.tracked.world_from_image;

@@ -2,8 +2,10 @@
 
 #include <functional>
 
+#include "app/exam/exam_reader.h"
 #include "app/exam/sweep_loader.h"
 #include "app/exchange/exam_movie.h"
+#include "app/exchange/file_beside.h"
 #include "app/workers.h"
 #include "tools/exam_verbs.h"
 
@@ -86,19 +88,20 @@ void check_movie_options(const MovieOptions& options) {
   settings_of(*options.render, 1);
 }
 
-fs::path write_movie(const MovieOptions& options, const exam::ExamReader& exam, const fs::path& file,
-                     std::int64_t sweep, const fs::path& folder, std::vector<std::string>& damage) {
-  const std::string name = file.stem().string() + "-sweep" + std::to_string(sweep);
-  if (options.turn_table) return write_turn(options, file, sweep, name, folder, damage);
-  const fs::path path = folder / (name + ".webm");
-  exchange::ExportedSweep exported = [&] {
-    WorkProgress progress("reading " + name);
-    return exchange::sequence_from_exam(exam, sweep, std::ref(progress));
-  }();
-  damage.insert(damage.end(), exported.damage.begin(), exported.damage.end());
-  WorkProgress progress("encoding " + name);
-  exchange::write_cine(exported, name, path, threads_of(*options.render), std::ref(progress));
-  return path;
+exchange::ExportedExam write_turns(const MovieOptions& options, const fs::path& file,
+                                   const exchange::ExamExport& what) {
+  std::error_code error;
+  fs::create_directories(what.to, error);
+  if (error) throw BadInput(exchange::why_unwritable(what.to, error.value()));
+  exchange::ExportedExam out;
+  for (const exam::SweepSummary& s : exam::ExamReader(file).sweeps()) {
+    if (what.sweep != 0 && s.id != what.sweep) continue;
+    const std::string name = file.stem().string() + "-sweep" + std::to_string(s.id);
+    out.files.push_back(write_turn(options, file, s.id, name, what.to, out.damage));
+  }
+  if (out.files.empty())
+    throw BadInput(file.filename().string() + ": there is no sweep " + std::to_string(what.sweep) + " in it");
+  return out;
 }
 
 }  // namespace sonoband::tools

@@ -1,13 +1,12 @@
-// `export --format webm`: the cine of a sweep, or its band on a turn-table.
+// `export --format webm`: its choices, and a sweep's band on a turn-table.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "app/exam/exam_reader.h"
+#include "app/exchange/exam_export.h"
 #include "tools/plane_options.h"
 #include "tools/render_options.h"
 
@@ -27,10 +26,8 @@ std::shared_ptr<MovieOptions> add_movie_options(CLI::App& verb);
 // Wrong usage that can be seen before anything is read.
 void check_movie_options(const MovieOptions& options);
 
-// The file that was written into `folder`; adds to `damage` what it lacks. Throws BadInput,
-// CLI::ValidationError.
-std::filesystem::path write_movie(const MovieOptions& options, const exam::ExamReader& exam,
-                                  const std::filesystem::path& file, std::int64_t sweep,
-                                  const std::filesystem::path& folder, std::vector<std::string>& damage);
+// The turn-table of each sweep that `what` names. Throws BadInput, CLI::ValidationError, exam::StoreError.
+exchange::ExportedExam write_turns(const MovieOptions& options, const std::filesystem::path& file,
+                                   const exchange::ExamExport& what);
 
 }  // namespace sonoband::tools

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bad_input.h"
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "tools/curve_options.h"
 #include "tools/verbs.h"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "app/exchange/png.h"
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "app/exchange/text.h"
 #include "tools/render_options.h"
 

@@ -53,6 +53,7 @@ void serve(const Options& options) {
       exchange::IgtlFrame f;
       f.utc_ns = setup.pressed_utc_ns + (frame.captured - setup.pressed).count();
       f.pixels = frame.bscan.pixels;
+      f.kind = frame.bscan.kind;
       f.world = setup.world;
       if (frame.pose_status == PoseStatus::ok) f.world_from_image = frame.world_from_image;
       f.tracker_from_probe = sweep.stored(i).record.tracker_from_probe;

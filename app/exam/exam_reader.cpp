@@ -355,7 +355,11 @@ ExamReader::Verification ExamReader::verify(const std::function<bool(int)>& prog
     try {
       work();
     } catch (const StoreError& e) {
-      v.damage.push_back(place + e.what());
+      // Whoever reads this knows which exam it is.
+      std::string what = e.what();
+      const std::string name = file_.filename().string() + ": ";
+      if (what.starts_with(name)) what.erase(0, name.size());
+      v.damage.push_back(place + what);
     }
   };
   std::vector<SweepSummary> all;

@@ -54,9 +54,10 @@ std::int64_t schema_of(const Database& database, std::size_t known) {
   const std::int64_t schema = database.integer("PRAGMA user_version");
   const bool empty = schema == 0 && database.integer("SELECT count(*) FROM sqlite_schema") == 0;
   if (!empty && application != application_id)
-    throw StoreError(StoreError::Kind::refused, "this is a database, but not an exam of Sonoband's");
+    throw StoreError(StoreError::Kind::refused,
+                     database.file() + ": this is a database, but not an exam of Sonoband's");
   if (schema < 0 || schema > static_cast<std::int64_t>(known)) {
-    throw StoreError(StoreError::Kind::newer, "made by a newer Sonoband (its schema is " +
+    throw StoreError(StoreError::Kind::newer, database.file() + ": made by a newer Sonoband (its schema is " +
                                                   std::to_string(schema) + ", this program knows up to " +
                                                   std::to_string(known) + "): open it with that one");
   }

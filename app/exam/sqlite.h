@@ -77,6 +77,7 @@ class Database {
   std::int64_t integer(std::string_view sql) const;  // the first column of the first row
   std::string text(std::string_view sql) const;
   std::int64_t changes() const;
+  const std::string& file() const { return file_; }  // its name, for sentences
 
   // Copies the journal into the file as far as readers allow; true when all of it is there. `empty_journal`
   // also cuts the journal to nothing.

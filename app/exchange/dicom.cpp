@@ -3,6 +3,7 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcfilefo.h>
 #include <dcmtk/dcmdata/dcmetinf.h>
+#include <dcmtk/dcmdata/dcostrma.h>
 #include <dcmtk/dcmdata/dctk.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -11,8 +12,10 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 
 #include "app/bad_input.h"
+#include "app/exchange/file_beside.h"
 #include "app/exchange/text.h"
 
 namespace sonoband::exchange {
@@ -21,6 +24,32 @@ namespace {
 constexpr const char* research = "Research use only. Not for diagnosis.";
 constexpr std::uint64_t largest_pixels = 0xfffffffeU;
 constexpr std::size_t longest_vector_bytes = 60'000;  // of a text value; PS3.5, 7.1.2 allows 65 534
+
+// DCMTK writes into files of its own; this lets it write into ours.
+class StreamConsumer : public DcmConsumer {
+ public:
+  explicit StreamConsumer(std::ostream& out) : out_(out) {}
+  OFBool good() const override { return out_.good(); }
+  OFCondition status() const override { return good() ? EC_Normal : EC_InvalidStream; }
+  OFBool isFlushed() const override { return OFTrue; }
+  offile_off_t avail() const override { return std::numeric_limits<std::int32_t>::max(); }
+  offile_off_t write(const void* bytes, offile_off_t count) override {
+    out_.write(static_cast<const char*>(bytes), count);
+    return out_ ? count : 0;
+  }
+  void flush() override {}
+
+ private:
+  std::ostream& out_;
+};
+
+struct Consumes {
+  StreamConsumer consumer;
+};
+class StreamOutput : Consumes, public DcmOutputStream {
+ public:
+  explicit StreamOutput(std::ostream& out) : Consumes{StreamConsumer(out)}, DcmOutputStream(&consumer) {}
+};
 
 // Values that a library call refuses are ours to have made right.
 class Writer {
@@ -54,23 +83,17 @@ class Writer {
     if (done.bad()) throw BadInput(fmt::format("{}: cannot be written: {}", path_.string(), done.text()));
   }
 
-  void save() {
-    std::filesystem::path unfinished = path_;
-    unfinished += ".unfinished";
-    const OFCondition saved =
-        file_.saveFile(unfinished.c_str(), EXS_LittleEndianExplicit, EET_ExplicitLength, EGL_recalcGL);
-    std::error_code error;
-    if (saved.good()) {
-      std::filesystem::permissions(
-          unfinished, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write, error);
-      std::filesystem::rename(unfinished, path_, error);
-    }
-    if (saved.bad() || error) {
-      std::error_code none;
-      std::filesystem::remove(unfinished, none);
-      throw BadInput(fmt::format("{}: cannot be written: {}", path_.string(),
-                                 saved.bad() ? saved.text() : error.message()));
-    }
+  void save(const Progress& progress) {
+    constexpr E_TransferSyntax syntax = EXS_LittleEndianExplicit;
+    const std::uint64_t bytes = file_.calcElementLength(syntax, EET_ExplicitLength);
+    FileBeside file(path_, progress, bytes);
+    file.only_for_its_owner();
+    StreamOutput out(file.stream());
+    file_.transferInit();
+    const OFCondition saved = file_.write(out, syntax, EET_ExplicitLength, nullptr, EGL_recalcGL);
+    file_.transferEnd();
+    if (file.stream()) check(saved);  // else the disk's own reason is the better one
+    file.commit();
   }
 
  private:
@@ -256,7 +279,8 @@ std::string dicom_uid(std::string_view what) {
   return "2.25." + digits;
 }
 
-void write_dicom(const DicomStudy& study, const DicomPicture& p, const std::filesystem::path& path) {
+void write_dicom(const DicomStudy& study, const DicomPicture& p, const std::filesystem::path& path,
+                 const Progress& progress) {
   Writer w(path);
   const bool colour = p.picture.channels == 3;
   put_common(w, study,
@@ -272,10 +296,11 @@ void write_dicom(const DicomStudy& study, const DicomPicture& p, const std::file
     w.text(DCM_PixelSpacingCalibrationDescription, "From the probe's calibration");
   }
   w.pixels(p.picture.bytes);
-  w.save();
+  w.save(progress);
 }
 
-void write_dicom(const DicomStudy& study, const DicomCine& c, const std::filesystem::path& path) {
+void write_dicom(const DicomStudy& study, const DicomCine& c, const std::filesystem::path& path,
+                 const Progress& progress) {
   Writer w(path);
   const bool colour = c.kind == PixelKind::doppler;
   const std::size_t frames = c.times_s.size();
@@ -293,18 +318,15 @@ void write_dicom(const DicomStudy& study, const DicomCine& c, const std::filesys
   } else {
     std::vector<std::uint8_t> rgb;
     rgb.reserve(c.pixels.size() * 3);
-    BandImage frame;
-    frame.kind = PixelKind::doppler;
-    frame.pixels = Pixels(c.width, c.height);
     const std::size_t size = static_cast<std::size_t>(c.width) * c.height;
     for (std::size_t i = 0; i < frames; ++i) {
-      std::copy_n(c.pixels.data() + i * size, size, frame.pixels.view().data);
-      const PngPicture picture = band_png(frame);
+      const PngPicture picture =
+          picture_png({c.pixels.data() + i * size, c.width, c.height, c.width}, PixelKind::doppler);
       rgb.insert(rgb.end(), picture.bytes.begin(), picture.bytes.end());
     }
     w.pixels(rgb);
   }
-  w.save();
+  w.save(progress);
 }
 
 }  // namespace sonoband::exchange

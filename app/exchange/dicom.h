@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/exchange/png.h"
+#include "app/exchange/progress.h"
 
 namespace sonoband::exchange {
 
@@ -55,8 +56,11 @@ struct DicomCine {
   MaskView mask;  // ultrasound lies within its bounds; empty: everywhere
 };
 
-// Beside, then renamed. Throws BadInput where the disk refuses, or an object is larger than DICOM's 4 GiB.
-void write_dicom(const DicomStudy& study, const DicomPicture& picture, const std::filesystem::path& path);
-void write_dicom(const DicomStudy& study, const DicomCine& cine, const std::filesystem::path& path);
+// Beside, then renamed. Throws BadInput where the disk refuses, `progress` stops it, or an object is larger
+// than DICOM's 4 GiB.
+void write_dicom(const DicomStudy& study, const DicomPicture& picture, const std::filesystem::path& path,
+                 const Progress& progress = {});
+void write_dicom(const DicomStudy& study, const DicomCine& cine, const std::filesystem::path& path,
+                 const Progress& progress = {});
 
 }  // namespace sonoband::exchange

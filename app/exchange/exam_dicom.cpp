@@ -27,9 +27,16 @@ DicomExport dicom_from_exam(const exam::ExamReader& exam, std::int64_t sweep, bo
   study.exam_id = summary.id;
   study.created_utc_ns = summary.created_utc_ns;
   if (with_label) study.label = summary.label;
-  for (const exam::SweepSummary& s : exam.sweeps()) {
-    if (s.frames == 0 || (sweep != 0 && s.id != sweep)) continue;
-    const ExportedSweep exported = sequence_from_exam(exam, s.id, progress);
+  std::vector<exam::SweepSummary> sweeps = exam.sweeps();
+  std::erase_if(sweeps,
+                [&](const exam::SweepSummary& s) { return s.frames == 0 || (sweep != 0 && s.id != sweep); });
+  // Each is read, then written.
+  const auto parts = static_cast<int>(2 * sweeps.size());
+  int part = 0;
+  for (const exam::SweepSummary& s : sweeps) {
+    const Progress reading = part_of(progress, part++, parts);
+    const Progress writing = part_of(progress, part++, parts);
+    const ExportedSweep exported = sequence_from_exam(exam, s.id, reading);
     out.damage.insert(out.damage.end(), exported.damage.begin(), exported.damage.end());
     const TrackedSequence& sequence = exported.sequence;
     if (sequence.frames.empty()) continue;
@@ -51,7 +58,7 @@ DicomExport dicom_from_exam(const exam::ExamReader& exam, std::int64_t sweep, bo
     cine.mask = exported.setup.mask.view();
     study.equipment = equipment(exported.setup);
     out.files.push_back(folder / fmt::format("{}-sweep{}.dcm", study.exam_id, s.id));
-    write_dicom(study, cine, out.files.back());
+    write_dicom(study, cine, out.files.back(), writing);
   }
   if (sweep != 0) return out;
   int number = 0;

@@ -22,11 +22,7 @@ void show(const Progress& progress, std::size_t done, std::size_t all, const std
 
 // The B-scan as people see it.
 PngPicture picture_of(const TrackedSequence& s, int i, PixelKind kind) {
-  BandImage image;
-  image.pixels = Pixels(s.width, s.height);
-  std::copy_n(s.frame_pixels(i).data(), s.frame_bytes(), image.pixels.view().data);
-  image.kind = kind;
-  return band_png(image);
+  return picture_png({s.frame_pixels(i).data(), s.width, s.height, s.width}, kind);
 }
 
 // From its first frame on. Throws where they are not there, or go back.

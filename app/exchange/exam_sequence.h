@@ -2,19 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "app/exam/exam_reader.h"
 #include "app/exam/exam_writer.h"
 #include "app/exchange/plus_config.h"
+#include "app/exchange/progress.h"
 #include "app/exchange/sequence.h"
 
 namespace sonoband::exchange {
-
-// Gets parts per thousand; false stops the work (BadInput "stopped").
-using Progress = std::function<bool(int)>;
 
 struct ExportedSweep {
   TrackedSequence sequence;         // grey bytes, or Doppler keys as they are

@@ -83,7 +83,9 @@ void IgtlServer::publish(const IgtlFrame& f) {
   }
   publish(igtl_transform(f.image + "To" + f.world, f.utc_ns, f.world_from_image->linear,
                          f.world_from_image->translation));
-  publish(igtl_image(f.image, f.utc_ns, f.pixels, *f.world_from_image));
+  publish(f.kind == PixelKind::grey
+              ? igtl_image(f.image, f.utc_ns, f.pixels, *f.world_from_image)
+              : igtl_image(f.image, f.utc_ns, picture_png(f.pixels, f.kind), *f.world_from_image));
   if (!f.tracker_from_probe) return;
   publish(igtl_transform("ProbeToTracker", f.utc_ns, f.tracker_from_probe->rotation,
                          f.tracker_from_probe->translation));

@@ -36,8 +36,9 @@ struct IgtlStatus {
 struct IgtlFrame {
   std::int64_t utc_ns = 0;
   ConstPixels pixels;
-  std::string image = "Image";    // device name of the picture
-  std::string world = "Tracker";  // the world's name, for the names of the transforms
+  PixelKind kind = PixelKind::grey;  // Doppler keys are sent as colours, as in band_png
+  std::string image = "Image";       // device name of the picture
+  std::string world = "Tracker";     // the world's name, for the names of the transforms
   // Empty: the frame has no usable pose, and goes nowhere: a picture without a place would be a wrong one.
   std::optional<Affine<frame::World, frame::Image>> world_from_image;
   std::optional<Rigid<frame::Tracker, frame::Probe>> tracker_from_probe;

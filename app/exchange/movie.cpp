@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "app/bad_input.h"
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "app/exchange/webm.h"
 
 namespace sonoband::exchange {

@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "app/bad_input.h"
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "core/image/colour_bar.h"
 
 namespace sonoband::exchange {
@@ -84,21 +84,21 @@ PngPicture grey_png(ConstPixels pixels) {
   return picture;
 }
 
-PngPicture band_png(const BandImage& image) {
-  if (image.kind == PixelKind::grey) return grey_png(image.pixels.view());
-  PngPicture picture{.width = image.pixels.width(),
-                     .height = image.pixels.height(),
-                     .channels = 3,
-                     .bytes = {},
-                     .texts = {}};
+PngPicture picture_png(ConstPixels pixels, PixelKind kind) {
+  if (kind == PixelKind::grey) return grey_png(pixels);
+  PngPicture picture{.width = pixels.width, .height = pixels.height, .channels = 3, .bytes = {}, .texts = {}};
   const doppler::ColourBar bar = doppler::red_blue_bar();
   picture.bytes.reserve(static_cast<std::size_t>(picture.width) * picture.height * 3);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const doppler::Rgb c = doppler::to_rgb(image.pixels.view()(x, y), bar);
+      const doppler::Rgb c = doppler::to_rgb(pixels(x, y), bar);
       picture.bytes.insert(picture.bytes.end(), {c.r, c.g, c.b});
     }
   return picture;
+}
+
+PngPicture band_png(const BandImage& image) {
+  return picture_png(image.pixels.view(), image.kind);
 }
 
 PngPicture coverage_png(const BandImage& image, int layers) {

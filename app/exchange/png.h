@@ -25,7 +25,8 @@ struct PngPicture {
 
 PngPicture grey_png(ConstPixels pixels);
 
-// A result as people see it: grey as it is; Doppler keys in the colours of red_blue_bar.
+// As people see it: grey as it is; Doppler keys in the colours of red_blue_bar.
+PngPicture picture_png(ConstPixels pixels, PixelKind kind);
 PngPicture band_png(const BandImage& image);
 
 // 0 where no layer had data, else round(255 count / layers), at least 1.

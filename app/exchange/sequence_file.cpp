@@ -1,13 +1,13 @@
 #include "app/exchange/sequence_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 #include "app/bad_input.h"
+#include "app/exchange/file_beside.h"
 #include "app/exchange/metaimage.h"
 #include "app/exchange/nrrd.h"
 #include "app/exchange/text.h"
@@ -15,10 +15,6 @@
 namespace sonoband::exchange {
 
 namespace {
-
-std::string of_descriptor(int descriptor) {
-  return fmt::format("/proc/self/fd/{}", descriptor);
-}
 
 std::string cause() {
   return std::generic_category().message(errno);
@@ -56,63 +52,30 @@ ReadSequence read_sequence(const std::filesystem::path& path, const SequenceLimi
                   file));
 }
 
-void write_sequence(const TrackedSequence& sequence, const std::filesystem::path& path) {
+void write_sequence(const TrackedSequence& sequence, const std::filesystem::path& path,
+                    const Progress& progress) {
   const std::string extension = path.extension().string();
   const bool meta = same_name(extension, ".mha") || same_name(extension, ".mhd");
   if (!meta && !same_name(extension, ".nrrd") && !same_name(extension, ".nhdr"))
     throw BadInput(fmt::format("{}: the extension '{}' is not written; use .mha, .mhd, .nrrd or .nhdr.",
                                path.string(), extension));
   const auto write = meta ? write_metaimage : write_nrrd;
-  FileBeside header(path);
+  const bool packed = sequence.compressed && !sequence.pixels.bytes().empty();
+  // Packed it may be anything from a thousandth to all of it.
+  const std::uint64_t bytes = packed ? 0 : sequence.pixels.bytes().size();
   if (same_name(extension, ".mha") || same_name(extension, ".nrrd")) {
-    write(sequence, header.stream(), path.string(), header.stream(), "");
-    header.commit();
+    FileBeside file(path, progress, bytes);
+    write(sequence, file.stream(), path.string(), file.stream(), "");
+    file.commit();
     return;
   }
   std::filesystem::path data_path = path;
-  const bool packed = sequence.compressed && !sequence.pixels.bytes().empty();
   data_path.replace_extension(!packed ? ".raw" : meta ? ".zraw" : ".raw.gz");
-  FileBeside data(data_path);
+  FileBeside header(path);
+  FileBeside data(data_path, progress, bytes);
   write(sequence, header.stream(), path.string(), data.stream(), data_path.filename().string());
   data.commit();
   header.commit();
-}
-
-FileBeside::FileBeside(std::filesystem::path path) : path_(std::move(path)), unfinished_(path_) {
-  unfinished_ += fmt::format(".{}.unfinished", ::getpid());
-  const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
-  nameless_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-  if (nameless_ >= 0) stream_.open(of_descriptor(nameless_), std::ios::binary);
-  if (nameless_ >= 0 && stream_) return;
-  stream_.clear();
-  stream_.open(unfinished_, std::ios::binary | std::ios::trunc);
-  if (!stream_)
-    throw BadInput(fmt::format("{}: cannot be written ({}); check the folder.", path_.string(), cause()));
-}
-
-FileBeside::~FileBeside() {
-  if (nameless_ >= 0) ::close(nameless_);
-  if (committed_) return;
-  stream_.close();
-  std::error_code ignored;
-  std::filesystem::remove(unfinished_, ignored);
-}
-
-void FileBeside::commit() {
-  stream_.close();
-  if (!stream_)
-    throw BadInput(
-        fmt::format("{}: writing failed ({}); free some space on the disk.", path_.string(), cause()));
-  // A name can be given to a file but not taken from another one: hence the second step.
-  if (nameless_ >= 0 && ::linkat(AT_FDCWD, of_descriptor(nameless_).c_str(), AT_FDCWD, unfinished_.c_str(),
-                                 AT_SYMLINK_FOLLOW) != 0)
-    throw BadInput(fmt::format("{}: cannot be written ({}); check the folder.", path_.string(), cause()));
-  std::error_code error;
-  std::filesystem::rename(unfinished_, path_, error);
-  if (error)
-    throw BadInput(
-        fmt::format("{}: cannot be written ({}); check the folder.", path_.string(), error.message()));
-  committed_ = true;
 }
 
 }  // namespace sonoband::exchange

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "app/bad_input.h"
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "app/exchange/text.h"
 #include "core/image/doppler.h"
 
@@ -242,12 +242,12 @@ ReadSequence read_strad(const std::filesystem::path& path) {
 }
 
 int write_strad(const TrackedSequence& s, const std::string& world, bool doppler,
-                const std::filesystem::path& path) {
+                const std::filesystem::path& path, const Progress& progress) {
   const bool stradx = same_name(path.extension().string(), ".sx");
   std::filesystem::path beside = path;
   beside.replace_extension(".sxi");
   FileBeside header(path);
-  FileBeside pixels(beside);
+  FileBeside pixels(beside, progress, s.pixels.bytes().size());
   std::string lines;
   double x_mm = 0;
   double y_mm = 0;

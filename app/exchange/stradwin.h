@@ -9,6 +9,7 @@
 #include <istream>
 #include <string>
 
+#include "app/exchange/progress.h"
 #include "app/exchange/sequence.h"
 
 namespace sonoband::exchange {
@@ -29,6 +30,6 @@ ReadSequence read_strad(const std::filesystem::path& path);
 // in these formats: they are left out, and their number is returned. Throws BadInput where a calibration
 // cannot be said: the formats know right angles and one pair of scales only.
 int write_strad(const TrackedSequence& sequence, const std::string& world, bool doppler,
-                const std::filesystem::path& path);
+                const std::filesystem::path& path, const Progress& progress = {});
 
 }  // namespace sonoband::exchange

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 #include "core/image/image.h"
 
 namespace sonoband::exchange {

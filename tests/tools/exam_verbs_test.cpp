@@ -224,6 +224,29 @@ TEST_F(ExamVerbs, VerifyNamesThePlaceOfDamage) {
   EXPECT_TRUE(std::filesystem::exists(path("rest/20270101-000000-0000-sweep1.igs.mha")));
 }
 
+// What is wrong is said of it once by its name.
+TEST_F(ExamVerbs, VerifySaysTheNameOfAFileThatIsNoExamOnce) {
+  const std::string other = path("20280101-000000-0000.exam");
+  ASSERT_EQ(std::system(("cp " + file + " " + other).c_str()), 0);
+  std::string bytes;
+  {
+    std::ifstream in(other, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  std::vector<std::string> wrong = {"no exam at all", bytes, bytes, bytes.substr(0, 4096)};
+  wrong[1][68] = 'x';                                                        // SQLite's application id
+  std::fill(wrong[2].begin() + 4096, wrong[2].end(), static_cast<char>(7));  // every page but the first
+  for (const std::string& contents : wrong) {
+    std::ofstream(other, std::ios::binary) << contents;
+    const ToolRun run = run_tool({"verify", other});
+    EXPECT_EQ(run.exit_code, 1);
+    const std::string name = "20280101-000000-0000.exam";
+    const std::size_t first = run.err.find(name);
+    ASSERT_NE(first, std::string::npos) << run.err;
+    EXPECT_EQ(run.err.find(name, first + 1), std::string::npos) << run.err;
+  }
+}
+
 TEST_F(ExamVerbs, WritesWhatReviewMade) {
   {
     exam::ExamWriter writer = exam::ExamWriter::open(file);

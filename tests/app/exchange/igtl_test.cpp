@@ -134,6 +134,30 @@ TEST(Igtl, ClientsGetThePictureAndItsPlace) {
   }
 }
 
+// Keys are ours alone; whoever listens gets the colours they stand for.
+TEST(Igtl, DopplerComesAsColours) {
+  IgtlServer server(any_port());
+  server.set_status(true, "hello");
+  Client client(server);
+  ASSERT_TRUE(eventually([&] { return server.status().clients == 1; }));
+  Picture p;
+  p.frame.kind = PixelKind::doppler;
+  server.publish(p.frame);
+  client.skip(client.next());  // status
+  client.skip(client.next());  // transform
+  const auto head = client.next();
+  ASSERT_STREQ(head->GetDeviceType(), "IMAGE");
+  const auto image = client.body<igtl::ImageMessage>(head);
+  ASSERT_EQ(image->GetNumComponents(), 3);
+  const std::vector<std::uint8_t> seen = picture_png(p.pixels.view(), PixelKind::doppler).bytes;
+  ASSERT_EQ(static_cast<std::size_t>(image->GetImageSize()), seen.size());
+  EXPECT_TRUE(
+      std::equal(seen.begin(), seen.end(), static_cast<const std::uint8_t*>(image->GetScalarPointer())));
+  bool any_colour = false;
+  for (std::size_t i = 0; i < seen.size(); i += 3) any_colour = any_colour || seen[i] != seen[i + 2];
+  EXPECT_TRUE(any_colour);
+}
+
 // The bytes of a published example: "Probe" at (10, 20, 30), unrotated, at 1700000000.5 s.
 TEST(Igtl, TransformIsByteForByteTheExample) {
   const IgtlBytes bytes =

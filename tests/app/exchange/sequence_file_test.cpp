@@ -1,4 +1,5 @@
 #include "app/exchange/sequence_file.h"
+#include "app/exchange/file_beside.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
