@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "app/exchange/png.h"
 #include "app/exchange/file_beside.h"
+#include "app/exchange/png.h"
 #include "app/exchange/text.h"
 #include "tools/render_options.h"
 
