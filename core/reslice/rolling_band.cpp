@@ -12,6 +12,8 @@ namespace sonoband {
 namespace {
 
 constexpr int strip_rows = 16;  // compounded by one thread at a time
+// Of layers got ready, between two looks at the stop flag: about half a millisecond.
+constexpr int portions_in_turn = 4;
 
 bool same_picture(const ReslicePlane& a, const ReslicePlane& b) {
   // Axes that differ by less turn a plane of 1000 pixels by less than a thousandth of a pixel.
@@ -22,6 +24,17 @@ bool same_picture(const ReslicePlane& a, const ReslicePlane& b) {
 
 std::uint8_t missing_of(Compounding how) {
   return how == Compounding::minimum ? 255 : 0;
+}
+
+PixelKind kind_of(const PreparedSweep& sweep) {
+  const SweepView view = sweep.view();
+  return view.frames.empty() ? PixelKind::grey : view.frames.front()->bscan.kind;
+}
+
+// Sums of Doppler pictures are not kept.
+bool keeps_layers(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings) {
+  return plane.width > 0 && plane.height > 0 &&
+         !(kind_of(sweep) == PixelKind::doppler && settings.compounding == Compounding::mean);
 }
 
 // The block that holds a layer; layers may be negative.
@@ -42,6 +55,8 @@ void RollingBand::clear() {
   forget();
   spare_blocks_.clear();
   spare_runs_.clear();
+  counts_ = {};
+  sums_ = {};
 }
 
 // All layers but not their memory: pages that come anew cost as much as painting them.
@@ -90,13 +105,30 @@ void RollingBand::begin(const PreparedSweep& sweep, const ReslicePlane& plane,
   offset_ = 0;
 }
 
+const FrameTable& RollingBand::table_of(PreparedSweep& sweep) {
+  const FrameTable& table =
+      settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : sweep.prepare();
+  left_out_ = static_cast<int>(sweep.view().frames.size() - table.frames.size());
+  strips_ = layer_strips(table, lattice_of_block(0));
+  return table;
+}
+
+int RollingBand::strips_left(int block) const {
+  const auto found = blocks_.find(block);
+  return found == blocks_.end() ? strips_ : strips_ - found->second.strips;
+}
+
+// The band that follows is at `offset`; what lies far from it goes.
+void RollingBand::move_to(int offset, const RenderSettings& settings, Parallel& parallel) {
+  if (missing_ != missing_of(settings.compounding)) fill_gaps(missing_of(settings.compounding), parallel);
+  settings_ = settings;
+  offset_ = offset;
+  forget_far(window_of(offset, settings));
+}
+
 BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                               Parallel& parallel, const StopFlag* stop) {
-  const PixelKind kind =
-      sweep.view().frames.empty() ? PixelKind::grey : sweep.view().frames.front()->bscan.kind;
-  if (plane.width <= 0 || plane.height <= 0 ||
-      (kind == PixelKind::doppler && settings.compounding == Compounding::mean))
-    return render_planar(sweep, plane, settings, parallel, stop);
+  if (!keeps_layers(sweep, plane, settings)) return render_planar(sweep, plane, settings, parallel, stop);
   int offset = 0;
   const bool follow = follows(sweep, plane, settings, offset);
   const bool still = offset == offset_ && settings.band.layers() == settings_.band.layers();
@@ -104,16 +136,58 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
     begin(sweep, plane, settings);
     return render_planar(sweep, plane, settings, parallel, stop);
   }
-  if (missing_ != missing_of(settings.compounding)) fill_gaps(missing_of(settings.compounding), parallel);
   const Window before = window_of(offset_, settings_), band = window_of(offset, settings);
-  settings_ = settings;
-  offset_ = offset;
-  forget_far(band);
-  paint_missing(sweep, before, band, parallel);
+  move_to(offset, settings, parallel);
+  paint_missing(table_of(sweep), before, band, parallel);
   BandImage image = compound(band, parallel);
-  image.kind = kind;
+  image.kind = kind_of(sweep);
   image.frames_left_out = left_out_;
   return image;
+}
+
+bool RollingBand::prepare(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                          Parallel& parallel, const StopFlag* stop) {
+  if (!keeps_layers(sweep, plane, settings)) return true;
+  int offset = 0;
+  if (!follows(sweep, plane, settings, offset)) begin(sweep, plane, settings);
+  move_to(offset, settings, parallel);
+  const FrameTable& table = table_of(sweep);
+  const Window band = window_of(offset, settings);
+  const int lowest = block_of(band.first), highest = block_of(band.last);
+  std::vector<int> wanted;
+  for (int block = lowest; block <= highest; ++block) wanted.push_back(block);
+  wanted.push_back(highest + 1);
+  wanted.push_back(lowest - 1);
+  std::vector<Portion> portions;
+  for (const int block : wanted) {
+    while (strips_left(block) > 0) {
+      if (stop != nullptr && stop->load(std::memory_order_relaxed)) return false;
+      portions.clear();
+      add_portions(block, std::min(strips_left(block), portions_in_turn * parallel.width()), portions);
+      paint_portions(table, portions, parallel);
+    }
+  }
+  // Counts, sums and runs as well.
+  if (counted_.empty()) compound(band, parallel);
+  return true;
+}
+
+std::optional<int> RollingBand::layers_missing(const PreparedSweep& sweep, const ReslicePlane& plane,
+                                               const RenderSettings& settings) const {
+  int offset = 0;
+  if (!keeps_layers(sweep, plane, settings) || blocks_.empty() || !follows(sweep, plane, settings, offset))
+    return std::nullopt;
+  const Window band = window_of(offset, settings);
+  int missing = 0;
+  for (int block = block_of(band.first); block <= block_of(band.last); ++block)
+    if (strips_left(block) > 0) missing += block_layers;
+  return missing;
+}
+
+std::size_t RollingBand::most_bytes(const ReslicePlane& plane, const RenderSettings& settings) {
+  const std::size_t pixels = static_cast<std::size_t>(std::max(plane.width, 0)) * std::max(plane.height, 0);
+  const auto layers = static_cast<std::size_t>(settings.band.layers());
+  return pixels * (3 * (layers + layers / 2 + 32) + 6 + 32 + 2 * block_layers);
 }
 
 // Extremes of the other kind: other values where there is no data.
@@ -197,35 +271,11 @@ void RollingBand::add_portions(int block, int strips, std::vector<Portion>& port
   }
   Block& b = found->second;
   for (const int end = b.strips + strips; b.strips < end; ++b.strips) portions.push_back({block, b.strips});
+  if (strips > 0 && b.strips == strips_) layers_painted_ += block_layers;
 }
 
-void RollingBand::paint_missing(PreparedSweep& sweep, const Window& before, const Window& band,
-                                Parallel& parallel) {
-  const FrameTable& table =
-      settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : sweep.prepare();
-  left_out_ = static_cast<int>(sweep.view().frames.size() - table.frames.size());
-  const int strips = layer_strips(table, lattice_of_block(0));
-  const auto left = [&](int block) {
-    const auto found = blocks_.find(block);
-    return found == blocks_.end() ? strips : strips - found->second.strips;
-  };
-  const bool first = blocks_.empty();
-  std::vector<Portion> portions;
-  const auto add = [&](int block, int count) {
-    add_portions(block, count, portions);
-    if (count > 0 && left(block) == 0) layers_painted_ += block_layers;
-  };
-  const int lowest = block_of(band.first), highest = block_of(band.last);
-  for (int block = lowest; block <= highest; ++block) add(block, left(block));
-  // Ahead: what remains of a block over the steps that remain until it is reached.
-  const auto ahead = [&](int block, int moved, int until_reached) {
-    if (first || moved <= 0) return;
-    const int steps = until_reached / moved + 1;
-    add(block, (left(block) + steps - 1) / steps);
-  };
-  ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
-  ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
-
+void RollingBand::paint_portions(const FrameTable& table, const std::vector<Portion>& portions,
+                                 Parallel& parallel) {
   RenderSettings thin = settings_;
   thin.compounding = missing_ == 0 ? Compounding::maximum : Compounding::minimum;
   parallel.for_each(static_cast<int>(portions.size()), [&](int i) {
@@ -233,6 +283,23 @@ void RollingBand::paint_missing(PreparedSweep& sweep, const Window& before, cons
     paint_layer_strip(table, lattice_of_block(portion.block), thin, portion.strip,
                       blocks_.at(portion.block).layers);
   });
+}
+
+void RollingBand::paint_missing(const FrameTable& table, const Window& before, const Window& band,
+                                Parallel& parallel) {
+  const bool first = blocks_.empty();
+  std::vector<Portion> portions;
+  const int lowest = block_of(band.first), highest = block_of(band.last);
+  for (int block = lowest; block <= highest; ++block) add_portions(block, strips_left(block), portions);
+  // Ahead: what remains of a block over the steps that remain until it is reached.
+  const auto ahead = [&](int block, int moved, int until_reached) {
+    if (first || moved <= 0) return;
+    const int steps = until_reached / moved + 1;
+    add_portions(block, (strips_left(block) + steps - 1) / steps, portions);
+  };
+  ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
+  ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
+  paint_portions(table, portions, parallel);
 }
 
 std::vector<RollingBand::Run> RollingBand::runs_of(const Window& band) const {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "core/reslice/lattice.h"
@@ -33,6 +34,18 @@ class RollingBand {
   // `stop` is heeded by whole pictures; a step is short.
   BandImage render(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                    Parallel& parallel, const StopFlag* stop = nullptr);
+
+  // Paints the layers of the plane's band that are missing, then the blocks beside it, so that the next
+  // render() of it, or of a plane a few steps on, finds them. Ends between portions once `stop` is set; what
+  // is painted by then is kept. True: all are there, or no layers are kept of such a picture.
+  bool prepare(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+               Parallel& parallel, const StopFlag* stop = nullptr);
+  // Layers that render() would have to paint, with all of their blocks; empty: it would paint the whole
+  // picture by render_planar.
+  std::optional<int> layers_missing(const PreparedSweep& sweep, const ReslicePlane& plane,
+                                    const RenderSettings& settings) const;
+  // The most that bytes() can become while the plane is dragged.
+  static std::size_t most_bytes(const ReslicePlane& plane, const RenderSettings& settings);
 
   static constexpr int block_layers = 8;
   // Layers painted since the last whole picture, of blocks that are complete, for statistics.
@@ -68,12 +81,16 @@ class RollingBand {
   };
 
   static Window window_of(int offset, const RenderSettings& settings);
+  const FrameTable& table_of(PreparedSweep& sweep);
+  int strips_left(int block) const;
+  void move_to(int offset, const RenderSettings& settings, Parallel& parallel);
   bool follows(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                int& offset) const;
   void begin(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings);
   Lattice lattice_of_block(int block) const;
   void add_portions(int block, int strips, std::vector<Portion>& portions);
-  void paint_missing(PreparedSweep& sweep, const Window& before, const Window& band, Parallel& parallel);
+  void paint_portions(const FrameTable& table, const std::vector<Portion>& portions, Parallel& parallel);
+  void paint_missing(const FrameTable& table, const Window& before, const Window& band, Parallel& parallel);
   void fill_gaps(std::uint8_t missing, Parallel& parallel);
   void forget_far(const Window& band);
   void forget();
@@ -90,6 +107,7 @@ class RollingBand {
   std::size_t frames_ = 0;
   bool begun_ = false;
   int offset_ = 0;               // of the last picture's middle layer
+  int strips_ = 1;               // of a block
   std::map<int, Block> blocks_;  // block b: layers b block_layers and on
   std::uint8_t missing_ = 0;     // in pixels without data: what never is the extreme
   std::map<Run, Pixels> runs_;   // level 1 and above
