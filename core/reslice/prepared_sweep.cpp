@@ -60,26 +60,4 @@ BandImage render_lines(PreparedSweep& sweep, const LineBundle& bundle, const Ren
   return paint_prepared(sweep, bundle, settings, bundle.step.v.norm(), parallel, stop);
 }
 
-void render_progressively(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                          int factor, Parallel& parallel, const StopFlag* stop,
-                          const std::function<void(BandImage, int factor)>& show) {
-  const auto stopped = [&] { return stop != nullptr && stop->load(std::memory_order_relaxed); };
-  if (factor > 1) {
-    ReslicePlane coarse = plane;
-    coarse.width = (plane.width + factor - 1) / factor;
-    coarse.height = (plane.height + factor - 1) / factor;
-    coarse.pixel_mm = plane.pixel_mm * factor;
-    RenderSettings thinned = settings;
-    thinned.band.step_mm = settings.band.step_mm * factor;
-    // Layers of the coarse band are layers of the full one: no more than fit on either side of the middle.
-    const int side = (settings.band.layers() - 1) / 2 / factor;
-    thinned.band.thickness_mm = 2 * side * thinned.band.step_mm;
-    BandImage image = render_planar(sweep, coarse, thinned, parallel, stop);
-    if (stopped()) return;
-    show(std::move(image), factor);
-  }
-  BandImage image = render_planar(sweep, plane, settings, parallel, stop);
-  if (!stopped()) show(std::move(image), 1);
-}
-
 }  // namespace sonoband

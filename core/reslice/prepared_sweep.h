@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -50,12 +49,5 @@ BandImage render_planar(PreparedSweep& sweep, const ReslicePlane& plane, const R
                         Parallel& parallel, const StopFlag* stop = nullptr);
 BandImage render_lines(PreparedSweep& sweep, const LineBundle& bundle, const RenderSettings& settings,
                        Parallel& parallel, const StopFlag* stop = nullptr);
-
-// For slow machines: the same view at every factor-th pixel and layer first, then in full; `show` gets each
-// picture that was finished, with its factor (pixel (x, y) of a coarse one is pixel (factor x, factor y) in
-// full, sampled in the same places). Nothing is coarser than asked unless this is called.
-void render_progressively(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
-                          int factor, Parallel& parallel, const StopFlag* stop,
-                          const std::function<void(BandImage, int factor)>& show);
 
 }  // namespace sonoband

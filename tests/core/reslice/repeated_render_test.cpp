@@ -35,33 +35,6 @@ TEST(PreparedSweep, StopsBeforePaintingWhenTold) {
   const BandImage image = render_planar(sweep, scene.plane, scene.settings, serial, &stop);
   for (int y = 0; y < scene.plane.height; ++y)
     for (int x = 0; x < scene.plane.width; ++x) ASSERT_EQ(image.coverage.view()(x, y), 0);
-  bool shown = false;
-  render_progressively(sweep, scene.plane, scene.settings, 4, serial, &stop,
-                       [&](const BandImage&, int) { shown = true; });
-  EXPECT_FALSE(shown);
-}
-
-TEST(PreparedSweep, CoarsePictureHasPixelsOfTheFullThinOne) {
-  for (unsigned seed = 3020; seed < 3026; ++seed) {
-    test::RandomScene scene = test::random_scene(seed);
-    scene.settings.band.thickness_mm = 0;
-    Serial serial;
-    PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
-    std::vector<std::pair<BandImage, int>> pictures;
-    render_progressively(
-        sweep, scene.plane, scene.settings, 3, serial, nullptr,
-        [&](BandImage image, int factor) { pictures.emplace_back(std::move(image), factor); });
-    ASSERT_EQ(pictures.size(), 2U);
-    EXPECT_EQ(pictures[0].second, 3);
-    EXPECT_EQ(pictures[1].second, 1);
-    const BandImage& coarse = pictures[0].first;
-    int unequal = 0, pixels = 0;
-    for (int y = 0; y < coarse.pixels.height(); ++y) {
-      for (int x = 0; x < coarse.pixels.width(); ++x, ++pixels)
-        unequal += coarse.pixels.view()(x, y) != pictures[1].first.pixels.view()(3 * x, 3 * y) ? 1 : 0;
-    }
-    EXPECT_LE(unequal, 1 + pixels / 200) << "seed " << seed;
-  }
 }
 
 TEST(RollingBand, DragAndThicknessGiveTheFreshBandButForTies) {
