@@ -59,6 +59,7 @@ struct TiltPlane {  // about its own right and down axes through `about_mm`
   double about_down_rad = 0;
   Eigen::Vector2d about_mm;
 };
+struct AboutToPush {};  // a finger has landed on what pushes the plane or makes the band thicker
 struct ResetPlane {};
 struct ShapePlane {  // so that the picture fills its window
   double width_per_height = 1;
@@ -188,16 +189,17 @@ using Command = std::variant<
     command::Pedal, command::GoTo, command::OpenSheet, command::ToggleFullScreen, command::Quit,
     command::ShowFrame, command::StepFrames, command::Play, command::Fling, command::MovePlane,
     command::ZoomPlane, command::TurnPlane, command::PushPlane, command::TiltPlane, command::ResetPlane,
-    command::ShapePlane, command::Touching, command::BeginStroke, command::ExtendStroke, command::EndStroke,
-    command::GrabVertex, command::DragVertex, command::DropVertex, command::ClearCurve, command::UndoCurve,
-    command::RedoCurve, command::SetReach, command::PlaceLandmark, command::RemoveLandmark,
-    command::AddMeasurePoint, command::FinishMeasure, command::ClearMeasures, command::ChooseMeasure,
-    command::BeginContour, command::ExtendContour, command::EndContour, command::RemoveContour,
-    command::ChooseTool, command::SetThickness, command::ChooseCompounding, command::ChooseInterpolation,
-    command::SetLook, command::FillPage, command::SetOrbit, command::Snapshot, command::SelectExam,
-    command::OpenExam, command::ChooseSweep, command::NewExam, command::TypeLabel, command::DeleteExam,
-    command::UndoDelete, command::ScrollExams, command::ChooseExport, command::StartExport,
-    command::CancelExport, command::ChooseProbe, command::ChoosePedalMode, command::SetSound>;
+    command::ShapePlane, command::Touching, command::AboutToPush, command::BeginStroke, command::ExtendStroke,
+    command::EndStroke, command::GrabVertex, command::DragVertex, command::DropVertex, command::ClearCurve,
+    command::UndoCurve, command::RedoCurve, command::SetReach, command::PlaceLandmark,
+    command::RemoveLandmark, command::AddMeasurePoint, command::FinishMeasure, command::ClearMeasures,
+    command::ChooseMeasure, command::BeginContour, command::ExtendContour, command::EndContour,
+    command::RemoveContour, command::ChooseTool, command::SetThickness, command::ChooseCompounding,
+    command::ChooseInterpolation, command::SetLook, command::FillPage, command::SetOrbit, command::Snapshot,
+    command::SelectExam, command::OpenExam, command::ChooseSweep, command::NewExam, command::TypeLabel,
+    command::DeleteExam, command::UndoDelete, command::ScrollExams, command::ChooseExport,
+    command::StartExport, command::CancelExport, command::ChooseProbe, command::ChoosePedalMode,
+    command::SetSound>;
 
 using Commands = std::vector<Command>;
 

@@ -82,6 +82,7 @@ struct Texts {
   Words bscan_of = "B-scan {0} of {1}";
   Words reslice_detail = "{0} mm · {1}";
   Words coarse = "coarse while moving";
+  Words left_out = "{0} dense B-scans left out while moving";
   Words manifold_detail = "{0} mm · r {1} mm · {2} layers";
   Words tap_outline = "tap an outline to go there";
   Words no_sweep = "No sweep yet";

@@ -198,6 +198,7 @@ struct ReviewView {
   RenderSettings settings;
   Picture band;
   bool band_coarse = false;  // shown at less than full quality while the finger is down
+  int band_left_out = 0;     // B-scans denser than pixels, while the finger is down
   double band_ms = 0;        // what the band took to render
   ReslicePlane band_plane;   // the plane `band` was rendered for; lags `plane` by a job
   CurveView curve;

@@ -6,9 +6,12 @@
 
 #include "app/thread_time.h"
 #include "app/workers.h"
+#include "core/reslice/progressive.h"
 
 namespace sonoband {
 namespace {
+
+constexpr int coarse_factor = 2;  // an eighth of the samples
 
 // Runs what is left of a job as nothing once it is overtaken. What comes of it is rubbish and is thrown away.
 class Stoppable final : public Parallel {
@@ -25,15 +28,6 @@ class Stoppable final : public Parallel {
   Parallel& inner_;
   const StopFlag& stop_;
 };
-
-ReslicePlane halved(const ReslicePlane& plane) {
-  ReslicePlane out = plane;
-  out.origin.v += 0.5 * plane.pixel_mm * (plane.right.v + plane.down.v);
-  out.pixel_mm = 2 * plane.pixel_mm;
-  out.width = std::max(1, plane.width / 2);
-  out.height = std::max(1, plane.height / 2);
-  return out;
-}
 
 // Columns, neighbours of which are pixel_mm apart on the curve, as stretches of it.
 std::vector<Stretch> stretches(const std::vector<std::uint8_t>& smeared, double pixel_mm) {
@@ -72,15 +66,38 @@ bool same_plane(const ReslicePlane& a, const ReslicePlane& b) {
 bool same_look(const RenderRequest& a, const RenderRequest& b) {
   const RenderSettings& s = a.settings;
   const RenderSettings& t = b.settings;
-  return a.sweep_version == b.sweep_version && a.coarse == b.coarse &&
-         s.band.thickness_mm == t.band.thickness_mm && s.band.step_mm == t.band.step_mm &&
-         s.compounding == t.compounding && s.interpolation == t.interpolation && s.gap.mm == t.gap.mm;
+  return a.sweep_version == b.sweep_version && s.band.thickness_mm == t.band.thickness_mm &&
+         s.band.step_mm == t.band.step_mm && s.compounding == t.compounding &&
+         s.interpolation == t.interpolation && s.gap.mm == t.gap.mm;
+}
+
+bool same_surface(const RenderRequest& a, const RenderRequest& b) {
+  return same_look(a, b) && same_plane(a.curve_plane, b.curve_plane) && a.curve_mm == b.curve_mm &&
+         a.reach_mm == b.reach_mm;
+}
+
+// The next request will be a step from layers of this one.
+bool drags(const RenderRequest& from, const RenderRequest& to) {
+  if (to.drag_ahead) return true;
+  return to.moving && to.sweep_version == from.sweep_version && moved_along_normal(from.plane, to.plane) &&
+         (!same_plane(from.plane, to.plane) ||
+          from.settings.band.thickness_mm != to.settings.band.thickness_mm);
 }
 
 RenderSettings settings_of(const RenderRequest& job) {
   RenderSettings settings = job.settings;
-  if (job.coarse) settings.band.step_mm *= 2;
+  settings.thin_dense_frames = job.moving;
   return settings;
+}
+
+RenderSettings layer_settings_of(const RenderRequest& job) {
+  RenderSettings settings = job.settings;
+  settings.thin_dense_frames = true;
+  return settings;
+}
+
+double samples_of(const RenderRequest& job) {
+  return static_cast<double>(job.plane.width) * job.plane.height * job.settings.band.layers();
 }
 
 using SteadyClock = std::chrono::steady_clock;
@@ -90,14 +107,17 @@ double ms_since(SteadyClock::time_point begun) {
 
 }  // namespace
 
-RenderWorker::RenderWorker(int threads, std::function<void()> finished)
-    : threads_(std::max(1, threads)), finished_(std::move(finished)), thread_([this] { serve(); }) {}
+RenderWorker::RenderWorker(int threads, std::function<void()> finished, const RenderLimits& limits)
+    : threads_(std::max(1, threads)),
+      finished_(std::move(finished)),
+      thread_([this, limits] { serve(limits); }) {}
 
 RenderWorker::~RenderWorker() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
     overtaken_ = true;
+    called_ = true;
   }
   wake_.notify_all();
   thread_.join();
@@ -109,6 +129,7 @@ void RenderWorker::ask(RenderRequest request) {
     ++counts_.asked;
     if (next_) ++counts_.given_up;
     next_ = std::move(request);
+    called_ = true;
     if (working_ && !finishes_) overtaken_ = true;
   }
   wake_.notify_all();
@@ -134,104 +155,232 @@ RenderWorker::Counts RenderWorker::counts() const {
   return counts_;
 }
 
-std::shared_ptr<PlanarPicture> RenderWorker::paint(const RenderRequest& job, PreparedSweep& sweep,
-                                                   Parallel& parallel) {
-  const auto begun = SteadyClock::now();
-  const Duration worked = thread_time();
+std::shared_ptr<PlanarPicture> RenderWorker::picture_for(const Job& job) {
   auto out = std::make_shared<PlanarPicture>();
   out->version = ++pictures_;
-  out->coarse = job.coarse;
-  out->plane = job.coarse ? halved(job.plane) : job.plane;
-  out->layers = settings_of(job).band.layers();
-  out->band = render_planar(sweep, out->plane, settings_of(job), parallel, &overtaken_);
-  out->ms = ms_since(begun);
-  out->thread_ms = seconds(thread_time() - worked) * 1e3;
+  out->plane = job.request.plane;
+  out->layers = job.request.settings.band.layers();
   return out;
 }
 
-std::shared_ptr<ManifoldPicture> RenderWorker::unroll(const RenderRequest& job, PreparedSweep& sweep,
-                                                      Flow& kept, Parallel& parallel) {
+// A step of a drag, where its layers are ready; else null.
+std::shared_ptr<PlanarPicture> RenderWorker::from_layers(Job& job) {
+  const RenderRequest& request = job.request;
+  if (!request.moving) return nullptr;
   const auto begun = SteadyClock::now();
-  const RenderSettings settings = settings_of(job);
-  ReslicePlane plane = job.curve_plane;
-  if (job.coarse) plane.pixel_mm *= 2;
+  const Duration worked = thread_time();
+  auto band = job.kept.layers.render(job.sweep, request.plane, layer_settings_of(request), job.workers);
+  if (!band) return nullptr;
+  auto out = picture_for(job);
+  out->band = std::move(*band);
+  out->exact = false;
+  out->ms = ms_since(begun);
+  out->thread_ms = seconds(thread_time() - worked) * 1e3;
+  const std::lock_guard lock(mutex_);
+  ++counts_.from_layers;
+  return out;
+}
+
+// By render_planar; a coarse picture first where the full one takes longer than the budget.
+std::shared_ptr<PlanarPicture> RenderWorker::paint(Job& job) {
+  const RenderRequest& request = job.request;
+  const auto begun = SteadyClock::now();
+  const Duration worked = thread_time();
+  auto out = picture_for(job);
+  double& pace = job.kept.ms_per_sample[static_cast<std::size_t>(request.settings.interpolation)];
+  const double budget_ms = request.moving ? request.budget_ms : 0;
+  const bool in_time = pace > 0 && pace * samples_of(request) <= budget_ms;
+  TimeBudget budget;
+  budget.factor = budget_ms > 0 && !in_time ? coarse_factor : 1;
+  budget.spent = [&] { return ms_since(begun) > budget_ms; };
+  render_progressively(job.sweep, request.plane, settings_of(request), budget, job.parallel, &overtaken_,
+                       [&](BandImage band, int factor) {
+                         if (factor == 1) {
+                           out->band = std::move(band);
+                         } else {
+                           show_coarse(job, std::move(band), ms_since(begun),
+                                       seconds(thread_time() - worked) * 1e3);
+                         }
+                       });
+  out->exact = out->band.frames_left_out == 0;
+  out->ms = ms_since(begun);
+  out->thread_ms = seconds(thread_time() - worked) * 1e3;
+  if (!overtaken_ && samples_of(request) > 0) pace = out->ms / samples_of(request);
+  return out;
+}
+
+void RenderWorker::show_coarse(Job& job, BandImage band, double ms, double thread_ms) {
+  auto result = std::make_shared<RenderResult>();
+  auto planar = picture_for(job);
+  planar->band = std::move(band);
+  planar->plane = coarse_plane(job.request.plane, coarse_factor);
+  planar->layers = coarse_band(job.request.settings.band, coarse_factor).layers();
+  planar->coarse = true;
+  planar->exact = false;
+  planar->ms = ms;
+  planar->thread_ms = thread_ms;
+  result->planar = std::move(planar);
+  result->sweep_version = job.request.sweep_version;
+  if (same_surface(job.request, job.kept.done)) {
+    result->manifold = job.kept.result.manifold;
+  } else {
+    result->manifold = unroll(job, coarse_factor);
+  }
+  publish(std::move(result), false);
+}
+
+std::shared_ptr<const PlanarPicture> RenderWorker::planar(Job& job) {
+  const Kept& kept = job.kept;
+  if (kept.result.planar && same_look(job.request, kept.done) &&
+      same_plane(job.request.plane, kept.done.plane) && (kept.result.planar->exact || job.request.moving))
+    return kept.result.planar;
+  if (auto step = from_layers(job)) return step;
+  return paint(job);
+}
+
+// Null where the curve makes none.
+std::shared_ptr<ManifoldPicture> RenderWorker::unroll(Job& job, int factor) {
+  const RenderRequest& request = job.request;
+  if (request.curve_mm.size() < 2 || !(request.reach_mm > 0)) return nullptr;
+  const auto begun = SteadyClock::now();
+  RenderSettings settings = settings_of(request);
+  settings.band.step_mm *= factor;
+  ReslicePlane plane = request.curve_plane;
+  plane.pixel_mm *= factor;
   const int layers = settings.band.layers();
-  if (kept.curve_mm != job.curve_mm || kept.pixel_mm != plane.pixel_mm || kept.layers != layers) {
+  Flow& flow = job.kept.flow;
+  if (flow.curve_mm != request.curve_mm || flow.pixel_mm != plane.pixel_mm || flow.layers != layers) {
     CurveSettings as_drawn;
     as_drawn.pixel_mm = plane.pixel_mm;
     as_drawn.smooth_px = 0;  // the stroke was smoothed as it was drawn
-    CurveResult made = make_curve(job.curve_mm, as_drawn);
+    CurveResult made = make_curve(request.curve_mm, as_drawn);
     if (made.fault != CurveFault::none) return nullptr;
-    CurveFlow flow = band_flow(made.curve, plane, settings.band, FlowMethod::exact, parallel);
+    CurveFlow flowed = band_flow(made.curve, plane, settings.band, FlowMethod::exact, job.parallel);
     if (overtaken_) return nullptr;
-    kept = {job.curve_mm, plane.pixel_mm, layers, std::move(made.curve), std::move(flow)};
+    flow = {request.curve_mm, plane.pixel_mm, layers, std::move(made.curve), std::move(flowed)};
   }
   auto out = std::make_shared<ManifoldPicture>();
   out->version = ++pictures_;
-  const LineBundle lines = manifold_lines(plane, kept.curve, kept.flow, job.reach_mm, settings.band);
-  out->band = transposed(render_lines(sweep, lines, settings, parallel, &overtaken_));
-  out->coarse = job.coarse;
+  const LineBundle lines = manifold_lines(plane, flow.curve, flow.flow, request.reach_mm, settings.band);
+  out->band = transposed(render_lines(job.sweep, lines, settings, job.parallel, &overtaken_));
+  out->coarse = factor > 1;
+  out->exact = factor == 1 && out->band.frames_left_out == 0;
   out->pixel_mm = plane.pixel_mm;
-  out->length_mm = length_mm(kept.curve);
+  out->length_mm = length_mm(flow.curve);
   out->layers = layers;
   out->thickness_mm = settings.band.thickness_mm;
   if (layers > 1) {
-    out->up = kept.flow.layers.back().front;
-    out->down = kept.flow.layers.front().front;
-    out->smeared = stretches(smeared_rows(kept.flow, layers / 2), plane.pixel_mm);
+    out->up = flow.flow.layers.back().front;
+    out->down = flow.flow.layers.front().front;
+    out->smeared = stretches(smeared_rows(flow.flow, layers / 2), plane.pixel_mm);
   }
   out->ms = ms_since(begun);
   return out;
 }
 
-std::shared_ptr<RenderResult> RenderWorker::render(const RenderRequest& job, Kept& kept, Parallel& parallel) {
-  PreparedSweep sweep(job.sweep.view, job.settings.gap);
-  auto result = std::make_shared<RenderResult>();
-  result->sweep_version = job.sweep_version;
-  const bool same = same_look(job, kept.done);
-  result->planar = same && same_plane(job.plane, kept.done.plane) ? kept.result.planar : nullptr;
-  if (!result->planar) result->planar = paint(job, sweep, parallel);
-  if (overtaken_ || job.curve_mm.size() < 2 || !(job.reach_mm > 0)) return result;
-  const bool same_surface = same && same_plane(job.curve_plane, kept.done.curve_plane) &&
-                            job.curve_mm == kept.done.curve_mm && job.reach_mm == kept.done.reach_mm;
-  if (same_surface) result->manifold = kept.result.manifold;
-  if (!result->manifold) result->manifold = unroll(job, sweep, kept.flow, parallel);
-  return result;
+std::shared_ptr<const ManifoldPicture> RenderWorker::manifold(
+    Job& job, const std::shared_ptr<const PlanarPicture>& planar) {
+  const RenderRequest& request = job.request;
+  Kept& kept = job.kept;
+  if (request.curve_mm.size() < 2 || !(request.reach_mm > 0)) return nullptr;
+  if (kept.result.manifold && same_surface(request, kept.done) &&
+      (kept.result.manifold->exact || request.moving))
+    return kept.result.manifold;
+  if (request.moving && request.budget_ms > 0 && kept.manifold_ms > request.budget_ms) {
+    auto result = std::make_shared<RenderResult>();
+    result->planar = planar;
+    result->manifold = unroll(job, coarse_factor);
+    result->sweep_version = request.sweep_version;
+    if (!publish(std::move(result), false)) return nullptr;
+  }
+  auto full = unroll(job, 1);
+  if (full && !overtaken_) kept.manifold_ms = full->ms;
+  return full;
 }
 
-void RenderWorker::serve() {
+// Of a job's results the last is the full one. False: it is overtaken and nothing was shown.
+bool RenderWorker::publish(std::shared_ptr<RenderResult> result, bool last) {
+  {
+    const std::lock_guard lock(mutex_);
+    // What was overtaken while it worked may be half a picture.
+    if (overtaken_) {
+      if (last) ++counts_.given_up;
+      return false;
+    }
+    result->version = ++results_;
+    newest_ = std::move(result);
+    if (last) {
+      ++counts_.done;
+    } else {
+      ++counts_.coarse;
+      finishes_ = false;
+      overtaken_ = next_.has_value();
+    }
+  }
+  if (finished_) finished_();
+  return true;
+}
+
+void RenderWorker::get_layers_ready(Job& job) {
+  const Duration worked = thread_time();
+  const RenderRequest& request = job.request;
+  job.kept.layers.get_ready(job.sweep, request.plane, layer_settings_of(request), job.workers, called_);
+  tell_layers(job.kept.layers, seconds(thread_time() - worked) * 1e3);
+}
+
+void RenderWorker::tell_layers(const DragLayers& layers, double ms) {
+  const std::lock_guard lock(mutex_);
+  counts_.layers_ms += ms;
+  counts_.layer_bytes = layers.bytes();
+}
+
+void RenderWorker::answer(Job& job) {
+  Kept& kept = job.kept;
+  kept.layers.follow(job.request.sweep_version, job.request.settings.gap);
+  tell_layers(kept.layers, 0);
+  auto result = std::make_shared<RenderResult>();
+  result->sweep_version = job.request.sweep_version;
+  result->planar = planar(job);
+  if (!overtaken_) result->manifold = manifold(job, result->planar);
+  if (!publish(result, true)) return;
+  const bool dragged = drags(kept.done, job.request);
+  kept.result = *result;
+  kept.done = job.request;
+  kept.done.sweep = {};
+  if (dragged) get_layers_ready(job);
+}
+
+// Waits for it; layers that nobody asks for meanwhile are given back.
+RenderRequest RenderWorker::next_request(Kept& kept, const RenderLimits& limits, bool& ends) {
+  std::unique_lock lock(mutex_);
+  working_ = false;
+  if (!next_) idle_.notify_all();
+  const auto called = [&] { return ending_ || next_.has_value(); };
+  if (kept.layers.bytes() > 0 && !wake_.wait_for(lock, limits.layers_kept, called)) {
+    kept.layers.give_back();
+    counts_.layer_bytes = 0;
+  }
+  wake_.wait(lock, called);
+  ends = ending_;
+  if (ends) return {};
+  RenderRequest request = std::move(*next_);
+  next_.reset();
+  called_ = false;
+  working_ = true;
+  finishes_ = overtaken_;  // the one before was given up
+  overtaken_ = false;
+  return request;
+}
+
+void RenderWorker::serve(const RenderLimits& limits) {
   Workers workers(threads_);
   Stoppable parallel(workers, overtaken_);
-  Kept kept;
-  for (;;) {
-    RenderRequest job;
-    {
-      std::unique_lock lock(mutex_);
-      working_ = false;
-      if (!next_) idle_.notify_all();
-      wake_.wait(lock, [&] { return ending_ || next_.has_value(); });
-      if (ending_) return;
-      job = std::move(*next_);
-      next_.reset();
-      working_ = true;
-      finishes_ = overtaken_;  // the one before was given up
-      overtaken_ = ending_;
-    }
-    auto result = render(job, kept, parallel);
-    {
-      const std::lock_guard lock(mutex_);
-      // What was overtaken while it worked may be half a picture.
-      if (overtaken_) {
-        ++counts_.given_up;
-        continue;
-      }
-      result->version = ++counts_.done;
-      newest_ = result;
-    }
-    kept.result = *result;
-    kept.done = std::move(job);
-    kept.done.sweep = {};
-    if (finished_) finished_();
+  Kept kept{{}, {}, {}, DragLayers(limits.layer_bytes), {}, 0};
+  for (bool ends = false;;) {
+    const RenderRequest request = next_request(kept, limits, ends);
+    if (ends) return;
+    Job job{request, PreparedSweep(request.sweep.view, request.settings.gap), parallel, workers, kept};
+    answer(job);
   }
 }
 

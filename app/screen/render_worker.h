@@ -1,9 +1,15 @@
 // Renders bands for the screen on a thread of its own: one job at a time, the newest wins, and a job in
-// flight is given up when a newer one comes, but never two in a row: a finger that asks faster than a band is
-// painted would see none until it rests. Nobody waits for it.
+// flight is given up when a newer one comes, but never two in a row that showed nothing: a finger that asks
+// faster than a band is painted would see none until it rests. Nobody waits for it.
+//
+// While a finger moves the plane along its normal or changes the thickness, bands come out of layers that are
+// got ready between jobs (drag_layers.h), and where a full band takes longer than the budget a coarse one
+// comes first. The request that follows when the finger rests or leaves is answered by render_planar's own
+// bits, whatever came before.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -14,9 +20,11 @@
 #include <thread>
 #include <vector>
 
+#include "app/screen/drag_layers.h"
 #include "core/geometry/plane.h"
 #include "core/manifold/manifold_band.h"
 #include "core/reslice/prepared_sweep.h"
+#include "core/time.h"
 
 namespace sonoband {
 
@@ -36,7 +44,11 @@ struct RenderRequest {
   std::vector<Eigen::Vector2d> curve_mm;
   ReslicePlane curve_plane;
   double reach_mm = 0;  // the paper's r
-  bool coarse = false;  // half the pixels each way: for a slow machine while a finger is down
+  // By a finger: another request follows, the last one without it. Frames denser than pixels are left out.
+  bool moving = false;
+  double budget_ms = 0;  // while moving: from when on a coarse picture is better than none; 0: never
+  // The plane will move along its normal next, or its thickness change.
+  bool drag_ahead = false;
 };
 
 struct Stretch {
@@ -46,11 +58,12 @@ struct Stretch {
 
 struct PlanarPicture {
   BandImage band;
-  ReslicePlane plane;  // that it was rendered for
+  ReslicePlane plane;  // of its pixels
   int layers = 0;
   double ms = 0;
   double thread_ms = 0;  // processor time of the worker's own thread, which does its share of the work
   bool coarse = false;
+  bool exact = true;          // render_planar's bits of what was asked, no frame left out
   std::uint64_t version = 0;  // ascending
 };
 
@@ -65,6 +78,7 @@ struct ManifoldPicture {
   std::vector<Stretch> smeared;     // where some layer shows one ruling in several columns
   double ms = 0;
   bool coarse = false;
+  bool exact = true;
   std::uint64_t version = 0;
 };
 
@@ -76,10 +90,15 @@ struct RenderResult {
   std::uint64_t version = 0;
 };
 
+struct RenderLimits {
+  std::size_t layer_bytes = std::size_t{192} << 20;  // of a drag's layers; 14 mm of 640x480 take up to 140 MB
+  Duration layers_kept = std::chrono::seconds(10);   // after the last request
+};
+
 class RenderWorker {
  public:
   // `finished` is called on the worker's thread after each picture, for a screen that sleeps.
-  explicit RenderWorker(int threads, std::function<void()> finished = {});
+  explicit RenderWorker(int threads, std::function<void()> finished = {}, const RenderLimits& limits = {});
   ~RenderWorker();
   RenderWorker(const RenderWorker&) = delete;
   RenderWorker& operator=(const RenderWorker&) = delete;
@@ -94,7 +113,11 @@ class RenderWorker {
   struct Counts {
     std::uint64_t asked = 0;
     std::uint64_t done = 0;
-    std::uint64_t given_up = 0;  // overtaken by a newer one, before or during their work
+    std::uint64_t given_up = 0;     // overtaken by a newer one, before or during their work
+    std::uint64_t from_layers = 0;  // of the planar pictures
+    std::uint64_t coarse = 0;       // pictures shown before the full ones
+    std::uint64_t layer_bytes = 0;  // kept now
+    double layers_ms = 0;           // of the worker's thread, spent on getting layers ready
   };
   Counts counts() const;
 
@@ -112,12 +135,32 @@ class RenderWorker {
     Flow flow;
     RenderRequest done;  // that the newest result answers; its sweep is let go
     RenderResult result;
+    DragLayers layers;
+    std::array<double, 2> ms_per_sample{};  // of the last full band, by interpolation; 0: not known
+    double manifold_ms = 0;                 // the last full one took
   };
-  void serve();
-  std::shared_ptr<RenderResult> render(const RenderRequest& job, Kept& kept, Parallel& parallel);
-  std::shared_ptr<PlanarPicture> paint(const RenderRequest& job, PreparedSweep& sweep, Parallel& parallel);
-  std::shared_ptr<ManifoldPicture> unroll(const RenderRequest& job, PreparedSweep& sweep, Flow& kept,
-                                          Parallel& parallel);
+  // What a job is worked on with.
+  struct Job {
+    const RenderRequest& request;
+    PreparedSweep sweep;
+    Parallel& parallel;  // which does nothing more once the job is overtaken
+    Parallel& workers;   // which goes on
+    Kept& kept;
+  };
+  void serve(const RenderLimits& limits);
+  RenderRequest next_request(Kept& kept, const RenderLimits& limits, bool& ends);
+  void answer(Job& job);
+  bool publish(std::shared_ptr<RenderResult> result, bool last);
+  void get_layers_ready(Job& job);
+  void tell_layers(const DragLayers& layers, double ms);
+  std::shared_ptr<PlanarPicture> picture_for(const Job& job);
+  std::shared_ptr<const PlanarPicture> planar(Job& job);
+  std::shared_ptr<PlanarPicture> from_layers(Job& job);
+  std::shared_ptr<PlanarPicture> paint(Job& job);
+  void show_coarse(Job& job, BandImage band, double ms, double thread_ms);
+  std::shared_ptr<const ManifoldPicture> manifold(Job& job,
+                                                  const std::shared_ptr<const PlanarPicture>& planar);
+  std::shared_ptr<ManifoldPicture> unroll(Job& job, int factor);
 
   int threads_;
   std::function<void()> finished_;
@@ -128,10 +171,12 @@ class RenderWorker {
   std::shared_ptr<const RenderResult> newest_;
   Counts counts_;
   bool working_ = false;
-  bool finishes_ = false;       // the job in flight is painted to its end
+  bool finishes_ = false;  // the job in flight shows something before it is given up
+  std::uint64_t results_ = 0;
   std::uint64_t pictures_ = 0;  // begun; the worker's own
   bool ending_ = false;
   StopFlag overtaken_{false};
+  StopFlag called_{false};  // a request waits
   std::thread thread_;
 };
 

@@ -12,7 +12,10 @@
 namespace sonoband {
 namespace {
 
-constexpr double slow_ms = 60;  // from here a full rendering is felt to lag behind the finger
+constexpr double budget_ms = 40;  // a B-scan's time: from here a band is felt to lag behind the finger
+// A finger that is down and still: so long, and so many turns, as a turn may be slow.
+constexpr Duration rests_after = std::chrono::milliseconds(150);
+constexpr int rests_after_turns = 4;
 constexpr double cine_hz = 25;  // B-scans a second
 constexpr double fling_halves_s = 0.35;
 
@@ -96,6 +99,7 @@ void Session::show(const RunSweep& sweep) {
   current_ = static_cast<double>(middle);
   playing_ = false;
   fling_ = 0;
+  push_rest_mm_ = 0;
   landmarks_.clear();
   measures_.clear();
   contours_.clear();
@@ -153,7 +157,7 @@ std::optional<ui::Window> Session::take_snapshot() {
   return std::exchange(snapshot_, std::nullopt);
 }
 
-void Session::ask() {
+void Session::ask(bool moving) {
   RenderRequest request;
   if (const RunSweep* s = shown()) {
     request.sweep = s->held;
@@ -168,9 +172,11 @@ void Session::ask() {
   request.sweep_version = sweep_version_;
   request.plane = plane_;
   request.settings = settings_;
-  const auto last = worker_.newest();
-  const double full_ms = last ? last->planar->ms * (last->planar->coarse ? 4 : 1) : 0;
-  request.coarse = touching_ && full_ms > slow_ms;
+  request.moving = asked_moving_ = moving;
+  request.budget_ms = budget_ms;
+  request.drag_ahead = std::exchange(push_ahead_, false) && shown() != nullptr;
+  asked_at_ = last_tick_;
+  turns_since_ = 0;
   worker_.ask(std::move(request));
 }
 
@@ -191,12 +197,15 @@ void Session::tick(Stamp now) {
     if (std::abs(fling_) < 1 || current_ <= 0 || current_ >= count - 1) fling_ = 0;
   }
   ask_if_changed();
+  // A finger that rests sees the band in full.
+  if (asked_moving_ && ++turns_since_ >= rests_after_turns && asked_at_ && now - *asked_at_ >= rests_after)
+    ask(false);
 }
 
 void Session::ask_if_changed() {
   if (!dirty_) return;
   dirty_ = false;
-  ask();
+  ask(touching_);
 }
 
 }  // namespace sonoband

@@ -106,7 +106,7 @@ class Session {
   void restore(const SweepReview& review);
   void find_contours();
   void reset_plane();
-  void ask();
+  void ask(bool moving);
   const RunSweep* shown() const;
   std::int32_t frame_count() const;
   void add_measure_point(const Eigen::Vector3d& p);
@@ -158,6 +158,11 @@ class Session {
   bool playing_ = false;
   double fling_ = 0;  // B-scans a second
   bool touching_ = false;
+  bool push_ahead_ = false;    // the next request is told of it
+  double push_rest_mm_ = 0;    // that the finger has pushed beyond whole steps
+  bool asked_moving_ = false;  // by a finger that has not come to rest since
+  std::optional<Stamp> asked_at_;
+  int turns_since_ = 0;
   std::optional<Stamp> last_tick_;
 
   std::vector<ui::LandmarkView> landmarks_;

@@ -99,6 +99,15 @@ void Session::apply(const ui::Command& command) {
     if (frame_count() > 0) curve_plane_ = ui::carried(curve_plane_, plane_, plane);
     move(plane);
   };
+  // By whole layers of the band, so that those painted before serve again.
+  const auto push = [&](double mm) {
+    const double step = settings_.band.step_mm;
+    if (frame_count() == 0 || !(step > 0)) return;
+    push_rest_mm_ += mm;
+    const double whole = std::round(push_rest_mm_ / step) * step;
+    push_rest_mm_ -= whole;
+    if (whole != 0) move_out(ui::pushed(plane_, whole));
+  };
   const auto curved = [&](auto&& change) {
     const std::uint64_t before = curve_.version();
     change();
@@ -122,7 +131,11 @@ void Session::apply(const ui::Command& command) {
           [&](const c::MovePlane& by) { move(ui::moved(plane_, by.by_mm)); },
           [&](const c::ZoomPlane& by) { move(ui::zoomed(plane_, by.factor, by.about_mm)); },
           [&](const c::TurnPlane& by) { move(ui::turned(plane_, by.by_rad, by.about_mm)); },
-          [&](const c::PushPlane& by) { move_out(ui::pushed(plane_, by.by_mm)); },
+          [&](const c::PushPlane& by) { push(by.by_mm); },
+          [&](const c::AboutToPush&) {
+            push_ahead_ = true;
+            dirty_ = true;
+          },
           [&](const c::TiltPlane& by) {
             move_out(ui::tilted(plane_, by.about_right_rad, by.about_down_rad, by.about_mm));
           },

@@ -48,6 +48,7 @@ void Session::fill(ui::View& view) {
     if (result_) {
       r.band_plane = result_->planar->plane;
       r.band_ms = result_->planar->ms;
+      r.band_left_out = result_->planar->band.frames_left_out;
       r.band_coarse = result_->planar->coarse;
     }
   }

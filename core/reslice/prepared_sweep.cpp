@@ -27,13 +27,13 @@ const FrameTable& PreparedSweep::prepare() {
   return *table_;
 }
 
-const FrameTable& PreparedSweep::prepare_thinned(double pixel_mm) {
+std::shared_ptr<const FrameTable> PreparedSweep::prepare_thinned(double pixel_mm) {
   prepare();
-  if (thinned_table_ && thinned_pixel_mm_ == pixel_mm) return *thinned_table_;
+  if (thinned_table_ && thinned_pixel_mm_ == pixel_mm) return thinned_table_;
   const std::vector<const TrackedFrame*> kept = thinned(view(), pixel_mm);
-  thinned_table_ = std::make_unique<FrameTable>(make_frame_table({kept, mask_}, gap_));
+  thinned_table_ = std::make_shared<FrameTable>(make_frame_table({kept, mask_}, gap_));
   thinned_pixel_mm_ = pixel_mm;
-  return *thinned_table_;
+  return thinned_table_;
 }
 
 namespace {
@@ -42,9 +42,9 @@ template <class Surface>
 BandImage paint_prepared(PreparedSweep& sweep, const Surface& surface, const RenderSettings& settings,
                          double pixel_mm, Parallel& parallel, const StopFlag* stop) {
   if (!settings.thin_dense_frames) return paint(sweep.prepare(), surface, settings, parallel, stop);
-  const FrameTable& table = sweep.prepare_thinned(pixel_mm);
-  BandImage image = paint(table, surface, settings, parallel, stop);
-  image.frames_left_out = static_cast<int>(sweep.view().frames.size() - table.frames.size());
+  const std::shared_ptr<const FrameTable> table = sweep.prepare_thinned(pixel_mm);
+  BandImage image = paint(*table, surface, settings, parallel, stop);
+  image.frames_left_out = static_cast<int>(sweep.view().frames.size() - table->frames.size());
   return image;
 }
 

@@ -27,8 +27,9 @@ class PreparedSweep {
   // because the automatic ones rest on the median over the sweep.
   const FrameTable& prepare();
   // The same of the frames that stay when thinned to a pixel (`thinned` in band.h); kept until the pixel
-  // changes.
-  const FrameTable& prepare_thinned(double pixel_mm);
+  // changes. What is held stays as it is meanwhile: a picture that is shown while another is painted may have
+  // other pixels.
+  std::shared_ptr<const FrameTable> prepare_thinned(double pixel_mm);
 
   SweepView view() const { return {frames_, mask_}; }
 
@@ -37,7 +38,8 @@ class PreparedSweep {
   MaskView mask_;
   GapLimit gap_;
   bool stale_ = true;
-  std::unique_ptr<FrameTable> table_, thinned_table_;
+  std::unique_ptr<FrameTable> table_;
+  std::shared_ptr<const FrameTable> thinned_table_;
   double thinned_pixel_mm_ = 0;
 };
 

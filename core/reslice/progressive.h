@@ -22,8 +22,9 @@ struct TimeBudget {
 
 // Paints the coarse picture, then the full one. The coarse one is shown as soon as the budget is spent, the
 // full one when it is done: where the budget suffices, alone. Painting goes on from where it was. `show` is
-// called on the caller's thread, with the factor of the picture, and may use `parallel`. Nothing is shown
-// once `stop` is set, which any row of patches heeds. Nothing is coarser than asked unless this is called.
+// called on the caller's thread, with the factor of the picture, and may use `parallel` and the sweep.
+// Nothing is shown once `stop` is set, which any row of patches heeds. Nothing is coarser than asked unless
+// this is called.
 void render_progressively(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                           const TimeBudget& budget, Parallel& parallel, const StopFlag* stop,
                           const std::function<void(BandImage, int factor)>& show);

@@ -105,11 +105,13 @@ void RollingBand::begin(const PreparedSweep& sweep, const ReslicePlane& plane,
   offset_ = 0;
 }
 
-const FrameTable& RollingBand::table_of(PreparedSweep& sweep) {
-  const FrameTable& table =
-      settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : sweep.prepare();
-  left_out_ = static_cast<int>(sweep.view().frames.size() - table.frames.size());
-  strips_ = layer_strips(table, lattice_of_block(0));
+std::shared_ptr<const FrameTable> RollingBand::table_of(PreparedSweep& sweep) {
+  const auto lent = [](const FrameTable& table) {
+    return std::shared_ptr<const FrameTable>(std::shared_ptr<void>(), &table);
+  };
+  auto table = settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : lent(sweep.prepare());
+  left_out_ = static_cast<int>(sweep.view().frames.size() - table->frames.size());
+  strips_ = layer_strips(*table, lattice_of_block(0));
   return table;
 }
 
@@ -138,7 +140,7 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
   }
   const Window before = window_of(offset_, settings_), band = window_of(offset, settings);
   move_to(offset, settings, parallel);
-  paint_missing(table_of(sweep), before, band, parallel);
+  paint_missing(*table_of(sweep), before, band, parallel);
   BandImage image = compound(band, parallel);
   image.kind = kind_of(sweep);
   image.frames_left_out = left_out_;
@@ -151,7 +153,7 @@ bool RollingBand::prepare(PreparedSweep& sweep, const ReslicePlane& plane, const
   int offset = 0;
   if (!follows(sweep, plane, settings, offset)) begin(sweep, plane, settings);
   move_to(offset, settings, parallel);
-  const FrameTable& table = table_of(sweep);
+  const std::shared_ptr<const FrameTable> table = table_of(sweep);
   const Window band = window_of(offset, settings);
   const int lowest = block_of(band.first), highest = block_of(band.last);
   std::vector<int> wanted;
@@ -164,7 +166,7 @@ bool RollingBand::prepare(PreparedSweep& sweep, const ReslicePlane& plane, const
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) return false;
       portions.clear();
       add_portions(block, std::min(strips_left(block), portions_in_turn * parallel.width()), portions);
-      paint_portions(table, portions, parallel);
+      paint_portions(*table, portions, parallel);
     }
   }
   // Counts, sums and runs as well.

@@ -81,7 +81,7 @@ class RollingBand {
   };
 
   static Window window_of(int offset, const RenderSettings& settings);
-  const FrameTable& table_of(PreparedSweep& sweep);
+  std::shared_ptr<const FrameTable> table_of(PreparedSweep& sweep);
   int strips_left(int block) const;
   void move_to(int offset, const RenderSettings& settings, Parallel& parallel);
   bool follows(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,

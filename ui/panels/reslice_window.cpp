@@ -105,6 +105,7 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   Line detail = thickness > 0 ? Line(t.reslice_detail,
                                      {number(thickness, 1), short_name(review.settings.compounding, t)})
                               : Line(t.thin, {});
+  if (review.band_left_out > 0) detail = Line(t.left_out, {number(review.band_left_out, 0)});
   if (review.band_coarse) detail = Line(t.coarse, {});
   const bool any = !review.frames.empty();
   const PanelFrame frame = panel(ui, "reslice/title", r, t.reslice, any ? detail.view() : std::string_view(),
@@ -179,7 +180,7 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   }
   tell_touching(ui, id);
   draw_normal_strip(ui, strip, place);
-  tell_touching(ui, id_of("reslice/normal"));
+  tell_pushing(ui, id_of("reslice/normal"));
   if (review.tool == Tool::move) {
     const float side = ui.metrics.target;
     draw_trackball(ui, {inside.right() - side - ui.px(8), inside.bottom() - side - ui.px(8), side, side},

@@ -4,6 +4,7 @@
 
 #include "ui/controls.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/windows.h"
 
 namespace sonoband::ui {
 namespace {
@@ -53,6 +54,7 @@ void draw_rendering(Ui& ui, Rect r, const View& view) {
                   any ? colour::ink : colour::ink_quiet, words);
   const Slide slide = slider(ui, "tools/thickness", inside, mm, 0, thickest_mm, false, any);
   if (slide.changed) ui.send(command::SetThickness{rounded_thickness(slide.value)});
+  if (any) tell_pushing(ui, id_of("tools/thickness"));
 }
 
 struct Action {

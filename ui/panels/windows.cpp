@@ -18,6 +18,12 @@ void tell_touching(Ui& ui, std::uint64_t id) {
   }
 }
 
+void tell_pushing(Ui& ui, std::uint64_t id) {
+  for (const Gesture& g : ui.gestures)
+    if (g.target == id && g.kind == Gesture::Kind::press) ui.send(command::AboutToPush{});
+  tell_touching(ui, id);
+}
+
 Sides sides_of(const ReviewView& review) {
   const auto& m = review.frames[review.frames.size() / 2]->world_from_image.linear;
   return {m.col(0).normalized(), m.col(1).normalized()};

@@ -14,6 +14,8 @@ void toggle_full(Ui& ui, const View& view, Window window, const PanelFrame& fram
 
 // Says when a finger lands on and leaves a widget that changes a rendering.
 void tell_touching(Ui& ui, std::uint64_t id);
+// The same of a widget that pushes the plane along its normal or makes the band thicker.
+void tell_pushing(Ui& ui, std::uint64_t id);
 
 // Of the sweep's middle B-scan, which stands for all: where its marked side is, and what lies deep.
 struct Sides {

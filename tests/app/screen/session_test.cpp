@@ -281,6 +281,66 @@ TEST(Session, ANoticeStaysItsTime) {
   EXPECT_EQ(desk.shown().notice, "");
 }
 
+TEST(Session, APushMovesThePlaneByWholeLayersAndKeepsWhatIsLeft) {
+  Desk desk;
+  desk.record(1);
+  const ReslicePlane before = desk.shown().review.plane;
+  const auto moved = [&] {
+    const Eigen::Vector3d by = desk.shown().review.plane.origin.v - before.origin.v;
+    return by.dot(before.normal().v);
+  };
+  double pushed = 0;
+  for (int i = 0; i < 40; ++i) {
+    desk.apply(c::PushPlane{0.13});
+    pushed += 0.13;
+    EXPECT_NEAR(moved(), pushed, pixel_mm / 2 + 1e-9);
+    EXPECT_NEAR(moved() / pixel_mm, std::round(moved() / pixel_mm), 1e-9);
+  }
+  desk.apply(c::PushPlane{-3});
+  EXPECT_NEAR(moved(), pushed - 3, pixel_mm / 2 + 1e-9);
+}
+
+TEST(Session, AFingerThatRestsOrLeavesSeesTheBandInFull) {
+  Desk desk;
+  desk.record(1);
+  desk.apply(c::Touching{true});
+  const auto newest = [&] {
+    desk.worker.wait();
+    return desk.worker.newest();
+  };
+  for (int i = 0; i < 4; ++i) {
+    desk.apply(c::PushPlane{pixel_mm});
+    desk.pass(milliseconds(20));
+    newest();
+  }
+  EXPECT_GT(desk.worker.counts().from_layers, 0U);
+  EXPECT_FALSE(newest()->planar->exact);
+  const std::uint64_t asked = desk.worker.counts().asked;
+  desk.pass(milliseconds(200));
+  EXPECT_EQ(desk.worker.counts().asked, asked + 1);
+  EXPECT_TRUE(newest()->planar->exact);
+  desk.pass(milliseconds(500));
+  EXPECT_EQ(desk.worker.counts().asked, asked + 1) << "once";
+  desk.apply(c::PushPlane{pixel_mm});
+  desk.pass(milliseconds(20));
+  EXPECT_FALSE(newest()->planar->exact);
+  desk.apply(c::Touching{false});
+  desk.pass(milliseconds(20));
+  EXPECT_TRUE(newest()->planar->exact);
+}
+
+TEST(Session, AFingerOnTheStripHasLayersGotReady) {
+  Desk desk;
+  desk.record(1);
+  desk.pass(milliseconds(20));
+  desk.worker.wait();
+  EXPECT_EQ(desk.worker.counts().layer_bytes, 0U);
+  desk.apply(c::AboutToPush{});
+  desk.pass(milliseconds(20));
+  desk.worker.wait();
+  EXPECT_GT(desk.worker.counts().layer_bytes, 0U);
+}
+
 TEST(Session, WithoutASweepNoCommandDoesHarm) {
   Desk desk;
   const std::vector<ui::Command> all = {
@@ -290,7 +350,8 @@ TEST(Session, WithoutASweepNoCommandDoesHarm) {
       c::DropVertex{},          c::UndoCurve{},          c::RedoCurve{},       c::FinishMeasure{},
       c::ExtendContour{{1, 1}}, c::EndContour{},         c::RemoveLandmark{4}, c::OpenExam{99},
       c::DeleteExam{99},        c::UndoDelete{},         c::ScrollExams{-5},   c::SelectExam{99},
-      c::StartExport{99},       c::CancelExport{},       c::SetThickness{-3},  c::Fling{50}};
+      c::StartExport{99},       c::CancelExport{},       c::SetThickness{-3},  c::Fling{50},
+      c::AboutToPush{}};
   for (const ui::Command& command : all) {
     desk.session.apply(command);
     desk.pass(milliseconds(20));

@@ -105,6 +105,22 @@ TEST(Progressive, WithoutAFactorThereIsOnlyTheFullPicture) {
   EXPECT_EQ(shown[0].factor, 1);
 }
 
+// A picture of other pixels thins the sweep otherwise.
+TEST(Progressive, WhatIsShownMeanwhileMayBePaintedFromTheSameSweep) {
+  test::RandomScene scene = wide_scene(3043);
+  scene.settings.thin_dense_frames = true;
+  Serial serial;
+  PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
+  BandImage last;
+  render_progressively(sweep, scene.plane, scene.settings, {}, serial, nullptr, [&](BandImage image, int) {
+    last = std::move(image);
+    ReslicePlane other = scene.plane;
+    other.pixel_mm *= 7;
+    render_planar(sweep, other, scene.settings, serial);
+  });
+  EXPECT_TRUE(test::same_bits(last, whole(scene)));
+}
+
 // Counts bodies, and sets a flag with the last of some.
 class Stopping final : public Parallel {
  public:

@@ -1,0 +1,51 @@
+#include "app/screen/drag_layers.h"
+
+#include <cmath>
+
+namespace sonoband {
+namespace {
+
+// A thinner band is painted whole in the time of its blocks.
+constexpr int least_layers = 2 * RollingBand::block_layers;
+// A layer that is painted apart costs six to ten times its share of the whole band; so many of them at once
+// cost what a band of 14 mm does.
+constexpr int most_missing = 2 * RollingBand::block_layers;
+
+}  // namespace
+
+bool DragLayers::pays(const ReslicePlane& plane, const RenderSettings& settings) const {
+  return settings.band.layers() >= least_layers && RollingBand::most_bytes(plane, settings) <= most_bytes_;
+}
+
+void DragLayers::follow(std::uint64_t sweep_version, const GapLimit& gap) {
+  if (sweep_version == sweep_version_ && gap.mm == gap_mm_) return;
+  band_.clear();
+  sweep_version_ = sweep_version;
+  gap_mm_ = gap.mm;
+}
+
+std::optional<BandImage> DragLayers::render(PreparedSweep& sweep, const ReslicePlane& plane,
+                                            const RenderSettings& settings, Parallel& parallel) {
+  if (!pays(plane, settings)) return std::nullopt;
+  const std::optional<int> missing = band_.layers_missing(sweep, plane, settings);
+  if (!missing || *missing > most_missing) return std::nullopt;
+  return band_.render(sweep, plane, settings, parallel);
+}
+
+void DragLayers::get_ready(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                           Parallel& parallel, const StopFlag& stop) {
+  if (pays(plane, settings)) band_.prepare(sweep, plane, settings, parallel, &stop);
+}
+
+bool moved_along_normal(const ReslicePlane& from, const ReslicePlane& to) {
+  constexpr double turned = 1e-6;  // as rolling bands allow
+  constexpr double aside_mm = 1e-4;
+  if ((from.right.v - to.right.v).norm() > turned || (from.down.v - to.down.v).norm() > turned ||
+      from.width != to.width || from.height != to.height || from.pixel_mm != to.pixel_mm)
+    return false;
+  const Eigen::Vector3d moved = to.origin.v - from.origin.v;
+  const Eigen::Vector3d normal = to.normal().v;
+  return (moved - moved.dot(normal) * normal).norm() < aside_mm;
+}
+
+}  // namespace sonoband
