@@ -28,6 +28,7 @@ struct Options {
   std::string out = "out";
   std::string shots;
   std::filesystem::path exams = exam::default_exam_folder();
+  std::string export_to;
   std::string size = "1280x800";
   float scale = 1;
   bool full_screen = false;
@@ -68,6 +69,10 @@ ScreenOptions screen_options(const Options& options, const Profile& profile) {
   screen.scale = options.scale;
   screen.width_mm = static_cast<float>(profile.screen.width_mm);
   screen.shots = options.shots.empty() ? options.out : options.shots;
+  screen.exports.folder = options.export_to.empty() ? profile.exams.export_to : options.export_to;
+  // A cart's own disk is for recording; whoever tries the simulation has no stick at hand.
+  if (screen.exports.folder.empty() && options.board.simulated())
+    screen.exports.folder = screen.shots / "exports";
   screen.pedal = profile.pedal.mode;
   screen.version = SONOBAND_VERSION;
   return screen;
@@ -201,6 +206,9 @@ int main(int argc, char** argv) {
   app.add_option("--calibration", options.board.calibration, "PLUS configuration (XML) for a replay");
   app.add_option("--exams", options.exams, "folder in which every sweep is saved; an empty name saves none")
       ->capture_default_str();
+  app.add_option("--export-to", options.export_to,
+                 "folder that Export offers besides sticks and cards; without it the profile's, and on the "
+                 "simulated board exports in --shots");
   app.add_option("--size", options.size, "of the window, pixels")->capture_default_str();
   app.add_flag("--fullscreen", options.full_screen, "fill the display");
   app.add_option("--scale", options.scale, "of everything on the screen")

@@ -166,6 +166,7 @@ std::vector<Key> all_keys() {
       whole<int>("ring", "frames", 16, 100000, [](P& p) -> int& { return p.ring.frames; }),
       real("ring", "pre-roll-s", 0, 60, [](P& p) -> double& { return p.ring.pre_roll_s; }),
       whole<int>("exams", "reserve-mb", 0, 1000000, [](P& p) -> int& { return p.exams.reserve_mb; }),
+      text("exams", "export-to", [](P& p) -> std::string& { return p.exams.export_to; }),
       choice("simulation", "scene", {"foetus", "vessels", "wires", "spheres", "ramp", "constant"},
              [](P& p, const std::string& word) { p.simulation.scene = word; }),
       choice("simulation", "sweep", {"linear", "fan", "reversed", "overlapping"},

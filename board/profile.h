@@ -75,7 +75,8 @@ struct Profile {
   } ring;
 
   struct Exams {
-    int reserve_mb = 512;  // of the disk, kept free: below it no sweep starts
+    int reserve_mb = 512;   // of the disk, kept free: below it no sweep starts
+    std::string export_to;  // folder that exports may go to besides sticks and cards; empty: none
   } exams;
 
   // The simulated scanner, tracker and pedal; used by the board `sim`.

@@ -108,13 +108,16 @@ struct ChooseMeasure {
   Measure kind = Measure::distance;
 };
 struct BeginContour {
-  Eigen::Vector2d at_px;  // of the B-scan shown
+  Eigen::Vector3d at_world;
+  Window window = Window::review;  // on the B-scan shown, or (reslice) on the plane
 };
 struct ExtendContour {
-  Eigen::Vector2d to_px;
+  Eigen::Vector3d to_world;
 };
 struct EndContour {};
-struct RemoveContour {};  // the ones on the B-scan shown
+struct RemoveContour {
+  int number = 0;
+};
 
 // What is shown, and how
 struct ChooseTool {
@@ -164,13 +167,15 @@ struct ScrollExams {
   int by = 0;
 };
 struct ChooseExport {
-  int format = 0;
-  int place = 0;
+  ExportChoice choice;
 };
 struct StartExport {
   std::uint64_t id = 0;
 };
 struct CancelExport {};
+struct RemoveSafely {
+  int place = 0;  // index into ExportView::places
+};
 
 // Set-up
 struct ChooseProbe {
@@ -198,8 +203,8 @@ using Command = std::variant<
     command::ChooseInterpolation, command::SetLook, command::FillPage, command::SetOrbit, command::Snapshot,
     command::SelectExam, command::OpenExam, command::ChooseSweep, command::NewExam, command::TypeLabel,
     command::DeleteExam, command::UndoDelete, command::ScrollExams, command::ChooseExport,
-    command::StartExport, command::CancelExport, command::ChooseProbe, command::ChoosePedalMode,
-    command::SetSound>;
+    command::StartExport, command::CancelExport, command::RemoveSafely, command::ChooseProbe,
+    command::ChoosePedalMode, command::SetSound>;
 
 using Commands = std::vector<Command>;
 

@@ -110,7 +110,7 @@ struct Texts {
   Words hint_curve = "Draw along the anatomy in Reslice · drag a ring to bend it";
   Words hint_landmark = "Tap in Review or Reslice to set a mark · hold one to take it away";
   Words hint_measure = "Tap points in Review, Reslice or both";
-  Words hint_contour = "Draw round the structure in Review · hold to remove it";
+  Words hint_contour = "Draw round it in Review or Reslice · hold one to take it away";
   Words hint_uncalibrated = "No calibration for this depth: nothing here can be measured";
   Words undo = "Undo";
   Words redo = "Redo";
@@ -161,7 +161,35 @@ struct Texts {
   Words is_open = "open";
   Words format = "Format";
   Words place = "Place";
+  std::array<Words, 8> formats = {
+      "MetaImage (.mha)", "NRRD (.nrrd)", "Stradx (.sx)", "Stradwin (.sw)", "DICOM",
+      "Pictures",         "Movie",        "Marks (JSON)"};
+  std::array<Words, 8> format_words = {
+      "B-scans with their places, for PLUS and 3D Slicer",
+      "B-scans with their places, for 3D Slicer",
+      "B-scans with their places, for Stradx",
+      "B-scans with their places, for Stradwin and StradView",
+      "B-scans as Ultrasound Multi-frame and snapshots, for archives; without places",
+      "A PNG for each B-scan, for looking at",
+      "The B-scans as a WebM movie, for looking at",
+      "Landmarks, contours and measurements of the whole exam, also for 3D Slicer (.mrk.json)"};
+  Words no_place = "No stick or card yet: put one in";
+  Words one_sweep = "Sweep {0}";
+  Words all_sweeps = "All {0} sweeps";
+  Words with_label = "With the patient label";
+  Words without_label = "Without the patient label";
+  Words label_stays = "The patient label stays here: only DICOM has a place for it";
+  Words label_goes = "The patient label goes along as name and id";
+  Words label_is_left_out = "The patient label is left out";
   Words exporting = "Exporting: {0} %";
+  Words writing_out = "Writing the last of it to {0}: do not pull it yet";
+  Words removing = "Writing out to {0}: do not pull it yet";
+  Words exported = "{0} files are in {1}";
+  Words exported_one = "1 file is in {0}";
+  Words not_exported = "The export did not succeed";
+  Words export_cancelled = "Cancelled: files that are there are whole";
+  Words can_be_pulled = "{0} can be pulled now";
+  Words remove_safely = "Remove safely";
   Words saved_as_it_happens = "Everything is saved as it happens";
   Words kept_in_memory = "Sweeps of this run, in memory: they go when the cart stops";
 

@@ -161,10 +161,12 @@ struct MeasureView {
   bool finished = false;
 };
 
-// A closed outline drawn on one B-scan, pixels of that B-scan.
+// A closed outline drawn in one picture: on a B-scan, or on a plane of the Reslice window.
 struct ContourView {
-  std::int32_t frame = 0;  // index into ReviewView::frames
-  std::span<const Eigen::Vector2d> points_px;
+  int number = 0;
+  std::int32_t frame = -1;  // its B-scan: index into ReviewView::frames; negative: none
+  bool on_plane = false;
+  std::span<const Eigen::Vector3d> points_world;
   bool finished = false;
   double area_mm2 = 0;
 };
@@ -236,13 +238,44 @@ struct ExamView {
   std::string_view damage = {};  // one sentence, in place of the numbers
 };
 
+// In the order of Texts::formats.
+enum class ExportAs : std::uint8_t { mha, nrrd, sx, sw, dicom, png, webm, marks };
+
+struct ExportChoice {
+  ExportAs format = ExportAs::mha;
+  int place = 0;            // index into ExportView::places
+  bool one_sweep = false;   // the one chosen of the exam, else all
+  bool with_label = false;  // of the patient, where the format has one
+};
+
+enum class ExportPhase : std::uint8_t {
+  idle,
+  exporting,
+  writing_out,  // what the system holds back goes to the disk
+  removing,     // the same, and the disk is taken out of use
+  done,
+  failed,
+  cancelled,
+  removed,  // the disk can be pulled
+};
+
+struct PlaceView {
+  std::string_view label;
+  bool removable = false;
+};
+
 struct ExportView {
-  std::span<const std::string_view> formats;
-  std::span<const std::string_view> places;
-  int format = 0;
-  int place = 0;
-  bool running = false;
-  double done = 0;  // 0 to 1
+  std::span<const PlaceView> places;
+  ExportChoice choice;
+  ExportPhase phase = ExportPhase::idle;
+  double done = 0;            // 0 to 1, of exporting
+  int files = 0;              // written, once it is done
+  std::string_view where;     // the folder or disk that `phase` speaks of
+  std::string_view sentence;  // why it failed; or what is not in the files, or should be known
+  bool running() const {
+    return phase == ExportPhase::exporting || phase == ExportPhase::writing_out ||
+           phase == ExportPhase::removing;
+  }
 };
 
 struct ExamsView {

@@ -150,7 +150,11 @@ void CartExams::take_reviews() {
     reviews.swap(reviews_);
   }
   for (auto& [exam, object] : reviews) {
-    if (deleted_.contains(exam)) continue;
+    if (deleted_.contains(exam)) {
+      const std::lock_guard lock(mutex_);
+      --reviews_under_way_;
+      continue;
+    }
     std::unique_ptr<Recorder> opened;
     if (!former_.contains(exam)) {
       RecorderSettings settings = settings_.recorder;
@@ -159,7 +163,8 @@ void CartExams::take_reviews() {
     }
     const std::lock_guard lock(mutex_);
     if (opened) former_.emplace(exam, std::move(opened));
-    former_[exam]->add_review(std::move(object));
+    tickets_[exam] = former_[exam]->add_review(std::move(object));
+    --reviews_under_way_;
     reviewed_ = exam;
   }
 }
@@ -297,12 +302,25 @@ void CartExams::add_review(const std::string& exam, ReviewObject object) {
     const std::lock_guard lock(mutex_);
     if (exam == id_) {
       used_ = true;
-      recorder_->add_review(std::move(object));
+      tickets_[exam] = recorder_->add_review(std::move(object));
       return;
     }
     reviews_.emplace_back(exam, std::move(object));
+    ++reviews_under_way_;
   }
   ::sem_post(&wake_);
+}
+
+bool CartExams::review_saved(const std::string& exam) const {
+  const std::lock_guard lock(mutex_);
+  if (reviews_under_way_ > 0) return false;
+  const auto ticket = tickets_.find(exam);
+  if (ticket == tickets_.end()) return true;
+  const auto former = former_.find(exam);
+  const Recorder* const writes = exam == id_               ? recorder_.get()
+                                 : former == former_.end() ? nullptr  // let go of once it had saved
+                                                           : former->second.get();
+  return writes == nullptr || writes->status().reviews_saved >= ticket->second;
 }
 
 void CartExams::remove(std::string exam) {

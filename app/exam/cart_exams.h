@@ -75,6 +75,8 @@ class CartExams {
   std::optional<StoredSweep> where(std::int32_t sweep) const;
   // To the exam with this id: the present one, or any that is there.
   void add_review(const std::string& exam, ReviewObject object);
+  // Whether all that add_review was given for this exam would survive a power cut.
+  bool review_saved(const std::string& exam) const;
 
   // Deletes the exam with this id; put_back undoes the last one. Its file goes with the next remove, with the
   // end of the run, or when recording needs the room. One that is still being saved is not deleted.
@@ -121,6 +123,8 @@ class CartExams {
   std::int64_t begun_in_exam_ = 0;
   std::map<std::int32_t, StoredSweep> where_;
   std::deque<std::pair<std::string, ReviewObject>> reviews_;  // of other exams than the present
+  std::size_t reviews_under_way_ = 0;                         // of those, not with a recorder yet
+  std::map<std::string, std::uint64_t> tickets_;              // the last one's, by exam
   std::optional<std::string> new_exam_;
   std::deque<std::string> removals_;  // empty: put back
   Removal removal_;

@@ -19,6 +19,10 @@
 namespace sonoband::exam {
 namespace {
 
+// After an exam's id, of what a start found.
+constexpr const char* said_cut_off = ": was cut off; ";
+constexpr const char* said_open = ": was open when the cart stopped; ";
+
 namespace fs = std::filesystem;
 
 constexpr const char* extension = ".exam";
@@ -235,6 +239,11 @@ void ExamFolder::recover() {
   }
 }
 
+bool was_cut_off(std::span<const std::string> recovered, const std::string& id) {
+  return std::any_of(recovered.begin(), recovered.end(),
+                     [&](const std::string& sentence) { return sentence.starts_with(id + said_cut_off); });
+}
+
 std::string recover_exam(const fs::path& file, const std::string& vfs) {
   const JournalState journal = journal_state(file);
   {
@@ -242,7 +251,6 @@ std::string recover_exam(const fs::path& file, const std::string& vfs) {
     if (reader.summary().closed && journal.bytes == 0) return {};
   }
   ExamWriter writer = ExamWriter::open(file, vfs);
-  std::string sentence = file.stem().string() + ": was cut off; ";
   std::int64_t frames = 0;
   std::vector<std::int64_t> open = writer.sweeps_without_end();
   for (const std::int64_t sweep : open) {
@@ -250,7 +258,12 @@ std::string recover_exam(const fs::path& file, const std::string& vfs) {
     frames += stored;
     writer.end_sweep(sweep, stored, {}, true);
   }
-  if (open.empty()) {
+  // One that was merely under review has lost nothing.
+  const bool whole = open.empty() && !journal.torn && !journal.damaged;
+  std::string sentence = file.stem().string() + (whole ? said_open : said_cut_off);
+  if (whole) {
+    sentence += "everything in it had been saved";
+  } else if (open.empty()) {
     sentence += "all its sweeps had been saved";
   } else {
     sentence += plural(frames, "frame") + " of " + plural(static_cast<std::int64_t>(open.size()), "sweep") +

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,10 @@ class ExamFolder {
 // Closes an exam that was cut off: gives every sweep its end, empties the journal, says what was there in one
 // sentence (empty: it had been closed in order). Throws StoreError when the file is too damaged for that.
 std::string recover_exam(const std::filesystem::path& file, const std::string& vfs = {});
+
+// Whether these sentences of a start say that something of the exam was cut off: not of one that was merely
+// open, as under review.
+bool was_cut_off(std::span<const std::string> recovered, const std::string& id);
 
 // An exam's summary, or its name and what is wrong with it.
 ExamSummary summarize(const std::filesystem::path& file);

@@ -153,6 +153,14 @@ bool unmount_as_user(const fs::path& path) {
          WEXITSTATUS(status) == 0;
 }
 
+}  // namespace
+
+std::vector<Place> removable_places(const MediaSources& sources) {
+  std::vector<Place> places;
+  for (const Mount& m : removable_mounts(sources)) places.push_back({label_of(m, sources), m.path, true});
+  return places;
+}
+
 std::string write_out(const fs::path& path) {
   const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const bool failed = folder < 0 || ::syncfs(folder) != 0;
@@ -161,14 +169,6 @@ std::string write_out(const fs::path& path) {
   if (!failed) return {};
   return fmt::format("{}: not everything reached the disk ({}); export again, to another one", path.string(),
                      std::strerror(why));
-}
-
-}  // namespace
-
-std::vector<Place> removable_places(const MediaSources& sources) {
-  std::vector<Place> places;
-  for (const Mount& m : removable_mounts(sources)) places.push_back({label_of(m, sources), m.path, true});
-  return places;
 }
 
 std::string release(const fs::path& path, const MediaSources& sources) {

@@ -27,6 +27,10 @@ struct MediaSources {
 // Nothing is found where the kernel says nothing.
 std::vector<Place> removable_places(const MediaSources& sources = {});
 
+// Waits until all that is on its way to the file system of `path` is on its disk. Empty: it is. Otherwise a
+// sentence with the cure.
+std::string write_out(const std::filesystem::path& path);
+
 // Writes out all that is still on its way to the file system of `path` and unmounts it; may take as long as
 // the stick is slow. Empty: it can be pulled. Otherwise a sentence with what stands in the way and the cure,
 // and it must not be pulled yet.

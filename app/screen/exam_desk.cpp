@@ -19,8 +19,9 @@ constexpr std::array<const char*, 5> window_names = {"screen", "review", "reslic
 
 }  // namespace
 
-ExamDesk::ExamDesk(exam::CartExams& exams, Session& session, std::function<void()> news)
-    : exams_(exams), session_(session), shelf_(exams, std::move(news)) {}
+ExamDesk::ExamDesk(exam::CartExams& exams, Session& session, const ExporterSettings& exports,
+                   const std::function<void()>& news)
+    : exams_(exams), session_(session), shelf_(exams, news), export_(exams, session, shelf_, exports, news) {}
 
 ExamDesk::~ExamDesk() {
   save_review({}, true);
@@ -121,6 +122,7 @@ bool ExamDesk::listen(Stamp now) {
   take_opened();
   news = load_on(now) || news;
   save_review(now, false);
+  news = export_.listen(now) || news;
   const exam::CartExams::Removal removal = exams_.removal();
   if (removal.done != removals_answered_) {
     removals_answered_ = removal.done;
@@ -133,6 +135,7 @@ bool ExamDesk::listen(Stamp now) {
 void ExamDesk::fill(ui::ExamsView& view, bool recording) {
   view.on_disk = true;
   shelf_.fill(view, key_of(session_.shown_id()), recording);
+  export_.fill(view.transfer);
 }
 
 void ExamDesk::remove(const std::string& exam) {
@@ -159,6 +162,15 @@ bool ExamDesk::carry_out(const ui::Command& command) {
     if (to->page == ui::Page::exams) exams_.ask_for_list();
     return false;
   }
+  if (const auto* sheet = std::get_if<c::OpenSheet>(&command)) {
+    if (sheet->sheet != ui::Sheet::export_exam || export_.open(key_of(session_.shown_id()))) return false;
+    exams_.ask_for_list();
+    session_.say("This sweep is still being saved: try again in a moment.");
+    return true;
+  }
+  // What was just drawn goes along.
+  if (std::holds_alternative<c::StartExport>(command)) save_review({}, true);
+  if (export_.carry_out(command)) return true;
   if (std::holds_alternative<c::NewExam>(command)) {
     exams_.new_exam(session_.typed_label());
     return false;

@@ -12,6 +12,7 @@
 
 #include "app/exam/cart_exams.h"
 #include "app/screen/exam_shelf.h"
+#include "app/screen/export_desk.h"
 #include "app/screen/review_objects.h"
 #include "app/screen/session.h"
 
@@ -20,7 +21,8 @@ namespace sonoband {
 class ExamDesk {
  public:
   // `news` is called on another thread.
-  ExamDesk(exam::CartExams& exams, Session& session, std::function<void()> news);
+  ExamDesk(exam::CartExams& exams, Session& session, const ExporterSettings& exports,
+           const std::function<void()>& news);
   ~ExamDesk();  // hands over what is not saved yet
   ExamDesk(const ExamDesk&) = delete;
   ExamDesk& operator=(const ExamDesk&) = delete;
@@ -47,6 +49,7 @@ class ExamDesk {
   exam::CartExams& exams_;
   Session& session_;
   ExamShelf shelf_;
+  ExportDesk export_;
   std::map<std::uint64_t, SweepKey> keys_;  // by the session's id
   std::map<SweepKey, std::uint64_t> ids_;
   std::map<std::uint64_t, ReviewLog> logs_;

@@ -19,11 +19,6 @@ std::string local_time(std::int64_t utc_ns) {
   return text.data();
 }
 
-bool was_recovered(const exam::CartExams& exams, const std::string& id) {
-  return std::any_of(exams.recovered().begin(), exams.recovered().end(),
-                     [&](const std::string& sentence) { return sentence.starts_with(id + ":"); });
-}
-
 // Frames, and what keeps them alive.
 struct Loaded {
   std::shared_ptr<exam::SweepLoader> loader;
@@ -80,7 +75,7 @@ bool ExamShelf::listen() {
       if (f->second.exam.sweeps == exam.sweeps) row.sweep = f->second.sweep;
       if (f->second.exam.frames != exam.frames) forget_cards(exam.id);
     }
-    row.recovered = was_recovered(exams_, exam.id);
+    row.recovered = exam::was_cut_off(exams_.recovered(), exam.id);
     rows_.push_back(std::move(row));
   }
   if (find(selected_) == nullptr) selected_ = 0;
@@ -149,6 +144,16 @@ void ExamShelf::choose_sweep(int by) {
   for (Row& row : rows_)
     if (row.id == selected_)
       row.sweep = std::clamp(row.sweep + by, 1, std::max(1, static_cast<int>(row.exam.sweeps)));
+}
+
+bool ExamShelf::select(const SweepKey& key) {
+  for (Row& row : rows_) {
+    if (row.exam.id != key.first || key.second > row.exam.sweeps) continue;
+    row.sweep = static_cast<int>(key.second);
+    selected_ = row.id;
+    return true;
+  }
+  return false;
 }
 
 void ExamShelf::scroll(int by) {

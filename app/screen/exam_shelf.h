@@ -61,6 +61,8 @@ class ExamShelf {
   // Asks for the list anew, and for the pictures of rows that come into sight.
   void fill(ui::ExamsView& view, const std::optional<SweepKey>& shown, bool recording);
   void select(std::uint64_t row) { selected_ = row; }
+  // The row of the exam, with this sweep of it chosen. False: there is no such row, or not yet.
+  bool select(const SweepKey& key);
   void choose_sweep(int by);  // of the row selected
   void scroll(int by);
   // Of the row: its exam and the sweep chosen in it.

@@ -39,6 +39,14 @@ std::uintmax_t bytes_on_disk(const std::filesystem::path& folder) {
   return error ? 0 : space.available;
 }
 
+// What a start found of several exams: the newest that was cut off, else the newest.
+const std::string& most_telling(const std::vector<std::string>& recovered) {
+  const auto cut_off = std::find_if(recovered.rbegin(), recovered.rend(), [](const std::string& sentence) {
+    return exam::was_cut_off(std::span(&sentence, 1), sentence.substr(0, sentence.find(':')));
+  });
+  return cut_off == recovered.rend() ? recovered.back() : *cut_off;
+}
+
 int threads_for_rendering() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - 1);
 }
@@ -58,9 +66,9 @@ ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOpti
   const ProbeOptions& probe = options_.probe;
   probes_[0] = {probe.name, probe.depth_mm, probe.calibrated, -1};
   if (cart_.exams() != nullptr)
-    desk_ = std::make_unique<ExamDesk>(*cart_.exams(), session_, std::move(rendered));
+    desk_ = std::make_unique<ExamDesk>(*cart_.exams(), session_, options_.exports, rendered);
   if (cart_.exams() != nullptr && !cart_.exams()->recovered().empty())
-    session_.say(cart_.exams()->recovered().back(), std::chrono::seconds(20));
+    session_.say(most_telling(cart_.exams()->recovered()), std::chrono::seconds(20));
 }
 
 void ScreenLoop::measure_speed(const TrackedFrame& frame) {

@@ -152,10 +152,18 @@ void read(const exam::ReviewObject& object, const Json& json, SweepReview& out) 
                                   static_cast<ui::Measure>(index_of(json.at("kind"), measure_names)),
                                   points_of<3>(json.at("points_mm"))});
       break;
-    case ReviewKind::contour:
-      out.contours.push_back({number_of(json), Stamp(Duration(json.at("captured_ns").get<std::int64_t>())),
-                              points_of<2>(json.at("points_px")), points_of<3>(json.at("points_mm"))});
+    case ReviewKind::contour: {
+      SweepReview::Contour c;
+      c.number = number_of(json);
+      if (json.contains("plane"))
+        c.plane = plane_of(json.at("plane"));
+      else
+        c.captured = Stamp(Duration(json.at("captured_ns").get<std::int64_t>()));
+      c.points = points_of<3>(json.at("points_mm"));
+      require(c.points.size() >= 3, "it encloses nothing");
+      out.contours.push_back(std::move(c));
       break;
+    }
     case ReviewKind::snapshot:
     case ReviewKind::note:
       break;
@@ -223,14 +231,16 @@ std::vector<exam::ReviewObject> objects_of(const SweepReview& review, std::int64
          {"unit", measure_units[kind]}});
   }
   for (const SweepReview::Contour& c : review.contours) {
-    add(numbered("contour", c.number), ReviewKind::contour,
-        {{"label", "Contour " + std::to_string(c.number)},
-         {"number", c.number},
-         {"closed", true},
-         {"captured_ns", c.captured.time_since_epoch().count()},
-         {"points_px", json_of(c.points_px)},
-         {"points_mm", json_of(c.points)},
-         {"area_mm2", area_mm2(c.points)}});
+    Json json = {{"label", "Contour " + std::to_string(c.number)},
+                 {"number", c.number},
+                 {"closed", true},
+                 {"points_mm", json_of(c.points)},
+                 {"area_mm2", area_mm2(c.points)}};
+    if (c.plane)
+      json["plane"] = json_of(*c.plane);
+    else
+      json["captured_ns"] = c.captured.time_since_epoch().count();
+    add(numbered("contour", c.number), ReviewKind::contour, std::move(json));
   }
   return all;
 }

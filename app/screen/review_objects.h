@@ -33,8 +33,8 @@ struct SweepReview {
   };
   struct Contour {
     int number = 0;
-    Stamp captured{};  // of its B-scan
-    std::vector<Eigen::Vector2d> points_px;
+    Stamp captured{};                   // of its B-scan, if it was drawn on one
+    std::optional<ReslicePlane> plane;  // else that it was drawn on
     std::vector<Eigen::Vector3d> points;
   };
   std::vector<ui::LandmarkView> landmarks;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/cart/appliance.h"
+#include "app/screen/exporter.h"
 #include "app/script/script.h"
 #include "board/profile.h"
 #include "core/geometry/plane.h"
@@ -39,6 +40,7 @@ struct ScreenOptions {
   PedalMode pedal = PedalMode::hold;
   ProbeOptions probe;
   std::string version;
+  ExporterSettings exports;
   // Gets every band that is shown whole, on the screen's thread. May be empty.
   std::function<void(const BandImage& band, const ReslicePlane& plane, int layers)> on_band;
   // What is sent to other programs, for the status bar. Empty: nothing is.

@@ -78,6 +78,7 @@ class Session {
 
   void say(std::string notice, Duration how_long = std::chrono::seconds(5));
   ui::Page page() const { return page_; }
+  ui::Sheet sheet() const { return sheet_; }
   bool sound() const { return sound_; }
   const std::string& typed_label() const { return new_label_; }
   ui::PedalMode pedal_mode() const { return pedal_mode_; }
@@ -92,12 +93,13 @@ class Session {
     int number = 0;
   };
   struct ContourItem {
-    std::int32_t frame = 0;  // negative: its B-scan is not loaded yet
-    std::vector<Eigen::Vector2d> points;
+    std::int32_t frame = 0;             // negative: on a plane, or its B-scan is not loaded yet
+    std::optional<ReslicePlane> plane;  // that it was drawn on; empty: on a B-scan
+    std::vector<Eigen::Vector3d> points;
     bool finished = false;
     int number = 0;
-    Stamp captured{};                    // of its B-scan
-    std::vector<Eigen::Vector3d> world;  // of `points`, once it is finished
+    Stamp captured{};  // of its B-scan
+    double area_mm2 = 0;
   };
 
   void show(const RunSweep& sweep);

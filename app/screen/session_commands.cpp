@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "app/screen/session.h"
+#include "core/review/measure.h"
 #include "ui/interact/plane_motion.h"
 
 namespace sonoband {
@@ -55,25 +56,29 @@ void Session::add_measure_point(const Eigen::Vector3d& p) {
 
 void Session::contour(const ui::Command& command) {
   namespace c = ui::command;
-  const auto now = static_cast<std::int32_t>(current_);
   if (const auto* begin = std::get_if<c::BeginContour>(&command)) {
-    contours_.push_back({now, {begin->at_px}, false, next_mark_++, {}, {}});
+    if (frame_count() == 0) return;
+    const bool on_plane = begin->window == ui::Window::reslice;
+    ContourItem item;
+    item.frame = on_plane ? -1 : static_cast<std::int32_t>(current_);
+    if (on_plane) item.plane = plane_;
+    item.points = {begin->at_world};
+    item.number = next_mark_++;
+    contours_.push_back(std::move(item));
   } else if (const auto* extend = std::get_if<c::ExtendContour>(&command)) {
     if (contours_.empty() || contours_.back().finished) return;
     // A point a pixel from the last adds nothing but work.
-    if ((extend->to_px - contours_.back().points.back()).norm() >= 1.0)
-      contours_.back().points.push_back(extend->to_px);
+    if ((extend->to_world - contours_.back().points.back()).norm() >= settings_.band.step_mm)
+      contours_.back().points.push_back(extend->to_world);
   } else if (std::holds_alternative<c::EndContour>(command)) {
     if (contours_.empty() || contours_.back().finished) return;
     ContourItem& item = contours_.back();
     item.finished = true;
     if (item.points.size() < 3 || item.frame >= frame_count()) return contours_.pop_back();
-    const TrackedFrame& f = *shown()->held.view.frames[item.frame];
-    item.captured = f.captured;
-    for (const Eigen::Vector2d& p : item.points)
-      item.world.push_back((f.world_from_image * Point<frame::Image>{{p.x(), p.y(), 0}}).v);
-  } else {
-    std::erase_if(contours_, [&](const ContourItem& item) { return item.frame == now; });
+    if (!item.plane) item.captured = shown()->held.view.frames[item.frame]->captured;
+    item.area_mm2 = sonoband::area_mm2(item.points);
+  } else if (const auto* gone = std::get_if<c::RemoveContour>(&command)) {
+    std::erase_if(contours_, [&](const ContourItem& item) { return item.number == gone->number; });
   }
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "app/screen/session.h"
+#include "core/review/measure.h"
 #include "ui/interact/plane_motion.h"
 
 namespace sonoband {
@@ -111,7 +112,7 @@ SweepReview Session::review() const {
   for (const MeasureItem& m : measures_)
     if (m.finished) r.measurements.push_back({m.number, m.kind, m.points});
   for (const ContourItem& c : contours_)
-    if (c.finished) r.contours.push_back({c.number, c.captured, c.points, c.world});
+    if (c.finished) r.contours.push_back({c.number, c.captured, c.plane, c.points});
   return r;
 }
 
@@ -135,7 +136,7 @@ void Session::restore(const SweepReview& r) {
     next_mark_ = std::max(next_mark_, m.number + 1);
   }
   for (const SweepReview::Contour& c : r.contours) {
-    contours_.push_back({-1, c.points_px, true, c.number, c.captured, c.points});
+    contours_.push_back({-1, c.plane, c.points, true, c.number, c.captured, area_mm2(c.points)});
     next_mark_ = std::max(next_mark_, c.number + 1);
   }
   find_contours();
@@ -145,7 +146,7 @@ void Session::restore(const SweepReview& r) {
 void Session::find_contours() {
   const RunSweep* s = shown();
   for (ContourItem& c : contours_) {
-    if (!c.finished) continue;
+    if (!c.finished || c.plane) continue;
     c.frame = s == nullptr ? -1 : index_of(s->held.view.frames, c.captured);
     if (c.frame >= 0 && s->held.view.frames[c.frame]->captured != c.captured) c.frame = -1;
   }

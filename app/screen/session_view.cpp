@@ -1,6 +1,5 @@
 // The session as the screen shows it.
 #include <algorithm>
-#include <cmath>
 
 #include "app/screen/session.h"
 
@@ -99,22 +98,8 @@ void Session::fill_marks(ui::ReviewView& r) {
     measure_views_.push_back({m.kind, m.points, measured(m.kind, m.points), m.finished});
   r.measures = measure_views_;
   contour_views_.clear();
-  for (const ContourItem& item : contours_) {
-    if (item.frame < 0) continue;
-    double area = 0;
-    if (item.finished && item.frame < static_cast<std::int32_t>(r.frames.size())) {
-      const TrackedFrame& f = *r.frames[item.frame];
-      const double cell = f.world_from_image.linear.col(0).cross(f.world_from_image.linear.col(1)).norm();
-      double twice = 0;
-      for (std::size_t i = 0; i < item.points.size(); ++i) {
-        const Eigen::Vector2d& a = item.points[i];
-        const Eigen::Vector2d& b = item.points[(i + 1) % item.points.size()];
-        twice += a.x() * b.y() - a.y() * b.x();
-      }
-      area = std::abs(twice) / 2 * cell;
-    }
-    contour_views_.push_back({item.frame, item.points, item.finished, area});
-  }
+  for (const ContourItem& c : contours_)
+    contour_views_.push_back({c.number, c.frame, c.plane.has_value(), c.points, c.finished, c.area_mm2});
   r.contours = contour_views_;
 }
 

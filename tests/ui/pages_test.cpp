@@ -15,11 +15,58 @@ struct Page {
   const char* name;
   ui::View (*view)();
 };
+ui::View export_view(ui::ExportPhase phase, ui::ExportAs format = ui::ExportAs::mha,
+                     std::string_view sentence = {}) {
+  ui::View view = exams_view();
+  view.sheet = ui::Sheet::export_exam;
+  ui::ExportView& e = view.exams.transfer;
+  e.phase = phase;
+  e.choice.format = format;
+  e.choice.one_sweep = true;
+  e.where = phase == ui::ExportPhase::done ? "/media/ULTRASOUND/sonoband-20261122-091200-3fa9" : "ULTRASOUND";
+  e.done = 0.43;
+  e.files = 3;
+  e.sentence = sentence;
+  return view;
+}
+ui::View export_choice() {
+  return export_view(ui::ExportPhase::idle, ui::ExportAs::dicom);
+}
+ui::View export_running() {
+  return export_view(ui::ExportPhase::exporting);
+}
+ui::View export_failed() {
+  return export_view(ui::ExportPhase::failed, ui::ExportAs::mha,
+                     "/media/ULTRASOUND/sonoband-20261122-091200-3fa9/20261122-091200-3fa9-sweep2.igs.mha: "
+                     "cannot be written: "
+                     "a disk formatted as FAT has no file of 4 GiB and more; use one formatted as exFAT, or "
+                     "export one sweep "
+                     "at a time, as pictures (png) or as a movie");
+}
+ui::View export_done() {
+  return export_view(ui::ExportPhase::done, ui::ExportAs::mha,
+                     "sweep 2, frame 7: the picture is damaged and left out (and 2 more)");
+}
+ui::View export_removed() {
+  return export_view(ui::ExportPhase::removed);
+}
+ui::View export_without_place() {
+  ui::View view = export_choice();
+  view.exams.transfer.places = {};
+  return view;
+}
+
 const Page pages[] = {{"live", live_view},
                       {"recording", recording_view},
                       {"review", review_view},
                       {"exams", exams_view},
-                      {"set-up", set_up_view}};
+                      {"set-up", set_up_view},
+                      {"export", export_choice},
+                      {"export-running", export_running},
+                      {"export-failed", export_failed},
+                      {"export-done", export_done},
+                      {"export-removed", export_removed},
+                      {"export-without-place", export_without_place}};
 
 TEST(Pages, DrawAtEverySizeAndScaleWithoutGlErrors) {
   const struct {
@@ -47,7 +94,8 @@ TEST(Pages, TargetsAreNineMillimetresHigh) {
     bench.frame(page.view());
     for (const char* name :
          {"rail/live", "rail/set-up", "status/tracker", "live/record", "tools/maximum", "tools/curve",
-          "tools/thickness", "reslice/trackball", "exams/new", "exams/0", "set-up/toggle"}) {
+          "tools/thickness", "reslice/trackball", "exams/new", "exams/0", "set-up/toggle", "export/mha",
+          "export/place-0", "export/start", "export/label"}) {
       const auto widget = bench.screen->widgets().find(name);
       if (!widget) continue;
       EXPECT_GE(widget->rect.height, nine_mm) << name;

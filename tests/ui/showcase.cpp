@@ -159,7 +159,8 @@ ui::View exams_view() {
   static const std::array<ui::ExamView, 5> exams = {{
       {5, "Phantom, morning check", "22 Nov 2026, 09:41", 1, 384, 6.4, ui::ExamState::complete,
        picture_of(exam.band, 1), true},
-      {4, "", "22 Nov 2026, 09:12", 3, 1180, 19.7, ui::ExamState::complete, picture_of(exam.thin, 2), false},
+      {4, "", "22 Nov 2026, 09:12", 3, 1180, 19.7, ui::ExamState::complete, picture_of(exam.thin, 2), false,
+       2},
       {3, "MK 16 weeks", "21 Nov 2026, 16:55", 4, 2410, 40.2, ui::ExamState::recovered,
        picture_of(exam.band, 3), false},
       {2, "Training", "20 Nov 2026, 11:03", 2, 905, 15.1, ui::ExamState::complete, {}, false},
@@ -168,10 +169,9 @@ ui::View exams_view() {
   }};
   view.exams.exams = exams;
   view.exams.selected = 4;
-  static const std::array<std::string_view, 3> formats = {"MetaImage sequence (.mha)", "DICOM",
-                                                          "Pictures (.png)"};
-  static const std::array<std::string_view, 2> places = {"USB stick", "out/exports"};
-  view.exams.transfer = {formats, places, 0, 1, false, 0};
+  static const std::array<ui::PlaceView, 2> places = {{{"ULTRASOUND", true}, {"/data/exports", false}}};
+  view.exams.on_disk = true;
+  view.exams.transfer.places = places;
   return view;
 }
 

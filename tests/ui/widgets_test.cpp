@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/ui/showcase.h"
+#include "ui/interact/cross.h"
 
 namespace sonoband::test {
 namespace {
@@ -31,9 +32,10 @@ ui::View review_with(ui::Tool tool) {
   static const std::array<ui::MeasureView, 1> measures = {{{ui::Measure::area, points, 0, false}}};
   view.review.measures = measures;
   view.review.measure = ui::Measure::area;
-  static const std::array<Eigen::Vector2d, 3> outline = {Eigen::Vector2d(10, 10), Eigen::Vector2d(60, 10),
-                                                         Eigen::Vector2d(60, 70)};
-  static const std::array<ui::ContourView, 1> contours = {{{36, outline, true, 40}}};
+  static const std::array<Eigen::Vector3d, 3> outline = {ui::from_image(*view.review.frames[36], {10, 10}),
+                                                         ui::from_image(*view.review.frames[36], {60, 10}),
+                                                         ui::from_image(*view.review.frames[36], {60, 70})};
+  static const std::array<ui::ContourView, 1> contours = {{{1, 36, false, outline, true, 40}}};
   view.review.contours = contours;
   return view;
 }
@@ -107,6 +109,31 @@ TEST(EveryWidget, OfReview) {
   expect_each(review_with(ui::Tool::contour), {{"contour/clear", index_of<c::RemoveContour>()}});
 }
 
+// In both windows a finger draws round a structure, and one that stays on a contour takes that one away.
+TEST(EveryWidget, OfTheContourTool) {
+  const ui::View view = review_with(ui::Tool::contour);
+  Bench bench;
+  bench.frame(view);
+  for (const auto& [name, window] :
+       {std::pair{"review/picture", ui::Window::review}, std::pair{"reslice/picture", ui::Window::reslice}}) {
+    const ui::Vec2 middle = bench.find(name).centre();
+    const std::vector<ui::Command> asked = bench.drag(view, middle, middle + ui::Vec2{30, 40});
+    const auto begun = only<c::BeginContour>(asked);
+    ASSERT_EQ(begun.size(), 1u) << name;
+    EXPECT_EQ(begun[0].window, window);
+    const auto on_the_way = only<c::ExtendContour>(asked);
+    ASSERT_FALSE(on_the_way.empty());
+    EXPECT_EQ(only<c::EndContour>(asked).size(), 1u);
+    EXPECT_TRUE(only<c::MovePlane>(asked).empty());
+    // Where the finger was, in space.
+    for (const Eigen::Vector3d& p : {begun[0].at_world, on_the_way.back().to_world}) {
+      const double off = window == ui::Window::reslice ? ui::on_plane(view.review.plane, p).off_mm
+                                                       : ui::on_image(*view.review.frames[36], p).off_mm;
+      EXPECT_NEAR(off, 0, 1e-6) << name;
+    }
+  }
+}
+
 TEST(EveryWidget, OfReviewThatIsDragged) {
   const ui::View view = review_view();
   Bench bench;
@@ -142,11 +169,25 @@ TEST(EveryWidget, OfExamsSetUpAndTheSheets) {
                                                 {"key/backspace", index_of<c::TypeLabel>()},
                                                 {"new-exam/cancel", index_of<c::OpenSheet>()},
                                                 {"new-exam/start", index_of<c::NewExam>()}});
-  expect_each(with_sheet(ui::Sheet::export_exam), {{"export/format-1", index_of<c::ChooseExport>()},
-                                                   {"export/place-0", index_of<c::ChooseExport>()},
-                                                   {"export/start", index_of<c::StartExport>()}});
+  ui::View choosing = with_sheet(ui::Sheet::export_exam);
+  choosing.exams.transfer.choice.format = ui::ExportAs::dicom;  // which has a place for the label
+  expect_each(choosing, {{"export/mha", index_of<c::ChooseExport>()},
+                         {"export/nrrd", index_of<c::ChooseExport>()},
+                         {"export/sx", index_of<c::ChooseExport>()},
+                         {"export/sw", index_of<c::ChooseExport>()},
+                         {"export/dicom", index_of<c::ChooseExport>()},
+                         {"export/png", index_of<c::ChooseExport>()},
+                         {"export/webm", index_of<c::ChooseExport>()},
+                         {"export/marks", index_of<c::ChooseExport>()},
+                         {"export/place-0", index_of<c::ChooseExport>()},
+                         {"export/place-1", index_of<c::ChooseExport>()},
+                         {"export/one-sweep", index_of<c::ChooseExport>()},
+                         {"export/all-sweeps", index_of<c::ChooseExport>()},
+                         {"export/label", index_of<c::ChooseExport>()},
+                         {"export/remove", index_of<c::RemoveSafely>()},
+                         {"export/start", index_of<c::StartExport>()}});
   ui::View running = with_sheet(ui::Sheet::export_exam);
-  running.exams.transfer.running = true;
+  running.exams.transfer.phase = ui::ExportPhase::exporting;
   expect_each(running, {{"export/cancel", index_of<c::CancelExport>()}});
   ui::View picture = with_sheet(ui::Sheet::picture);
   picture.review.look.gain = 0.3f;  // so that the middle of the groove is another value

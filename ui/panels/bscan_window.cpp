@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "ui/interact/cross.h"
+#include "ui/panels/contours.h"
 #include "ui/panels/marks.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/point_marks.h"
@@ -66,21 +67,10 @@ void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
   if (const auto cross = crossing(f, review.plane)) {
     ui.draw.line(place.at(cross->image_px[0]), place.at(cross->image_px[1]), colour::plane, ui.px(2));
   }
-  for (const ContourView& c : review.contours) {
-    if (c.frame != review.current || c.points_px.empty()) continue;
-    Vec2 last = place.at(c.points_px.front());
-    for (std::size_t i = 1; i <= c.points_px.size(); ++i) {
-      if (i == c.points_px.size() && !c.finished) break;
-      const Vec2 at = place.at(c.points_px[i % c.points_px.size()]);
-      ui.draw.line(last, at, colour::contour, ui.px(2));
-      last = at;
-    }
-    if (c.finished && c.area_mm2 > 0) {
-      draw_badge(ui, place.at(c.points_px.front()) + Vec2{0, -ui.px(22)}, colour::contour,
-                 Line(t.square_millimetres, {number(c.area_mm2, 0)}));
-    }
-  }
   const auto project = [&](const Eigen::Vector3d& w) { return place.at(on_image(f, w).px); };
+  const auto on_this = [&](const ContourView& c) { return c.frame == review.current; };
+  for (const ContourView& c : review.contours)
+    if (on_this(c)) draw_contour(ui, c, colour::contour, project);
   draw_marks(ui, review, project, [&](const Eigen::Vector3d& w) { return on_image(f, w).off_mm; });
   ui.draw.end_clip();
 
@@ -89,13 +79,9 @@ void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
     if (g.target != id) continue;
     use_point_tools(ui, review, g, from_image(f, place.px(g.start)), project);
     if (review.tool == Tool::contour && review.calibrated) {
-      if (g.kind == Gesture::Kind::drag) {
-        const Eigen::Vector2d at = place.px(g.at);
-        if (g.phase == Gesture::Phase::begin) ui.send(command::BeginContour{place.px(g.start)});
-        if (g.phase != Gesture::Phase::end) ui.send(command::ExtendContour{at});
-        if (g.phase == Gesture::Phase::end) ui.send(command::EndContour{});
-      }
-      if (g.kind == Gesture::Kind::long_press) ui.send(command::RemoveContour{});
+      use_contour_tool(
+          ui, review, g, Window::review, [&](Vec2 at) { return from_image(f, place.px(at)); }, project,
+          on_this);
       continue;
     }
     if (g.kind == Gesture::Kind::flick && std::abs(g.velocity.x) > std::abs(g.velocity.y)) {

@@ -113,7 +113,7 @@ void draw_exams(Ui& ui, const Rect& r, const View& view) {
   if (button(ui, "exams/open", foot.cut_left(width), t.open, open))
     ui.send(command::OpenExam{exams.selected});
   foot.cut_left(gap);
-  ButtonLook out{Icon::export_to, Role::plain, false, any && !exams.transfer.places.empty(), false};
+  ButtonLook out{Icon::export_to, Role::plain, false, any && exams.on_disk, false};
   if (button(ui, "exams/export", foot.cut_left(width), t.export_exam, out))
     ui.send(command::OpenSheet{Sheet::export_exam, Source::scanner});
   ButtonLook bin{Icon::bin, Role::danger, false, any, false};

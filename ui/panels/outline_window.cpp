@@ -37,12 +37,9 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
   const OutlineView eye = ui.scene.view(scene, place);
   ui.draw.begin_clip(place);
   for (const ContourView& c : review.contours) {
-    if (c.frame < 0 || c.frame >= static_cast<int>(review.frames.size())) continue;
-    const TrackedFrame& f = *review.frames[c.frame];
-    for (std::size_t i = 0; i + (c.finished ? 0 : 1) < c.points_px.size(); ++i) {
-      ui.draw.line(eye.at(from_image(f, c.points_px[i])),
-                   eye.at(from_image(f, c.points_px[(i + 1) % c.points_px.size()])), colour::contour,
-                   ui.px(1.5f));
+    for (std::size_t i = 0; i + (c.finished ? 0 : 1) < c.points_world.size(); ++i) {
+      ui.draw.line(eye.at(c.points_world[i]), eye.at(c.points_world[(i + 1) % c.points_world.size()]),
+                   colour::contour, ui.px(1.5f));
     }
   }
   draw_marks(

@@ -17,6 +17,7 @@ void draw_review(Ui& ui, const Rect& r, const View& view);
 void draw_exams(Ui& ui, const Rect& r, const View& view);
 void draw_set_up(Ui& ui, const Rect& r, const View& view);
 void draw_sheet(Ui& ui, const View& view);
+void draw_export_sheet(Ui& ui, const View& view);
 
 // The four windows of Review (the paper's Figure 2).
 void draw_bscan_window(Ui& ui, const Rect& r, const View& view);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ui/interact/cross.h"
+#include "ui/panels/contours.h"
 #include "ui/panels/marks.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/point_marks.h"
@@ -156,6 +157,11 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   draw_curve(ui, place, review.curve);
   const auto project = [&](const Eigen::Vector3d& w) { return place.at(on_plane(p, w).mm); };
   const double half_band = thickness / 2;
+  for (const ContourView& c : review.contours) {
+    if (!c.on_plane) continue;
+    const float alpha = lies_in(c, p, half_band) ? 1.0f : 0.3f;  // behind or before the band: faint
+    draw_contour(ui, c, colour::contour.with_alpha(alpha), project);
+  }
   draw_marks(ui, review, project, [&](const Eigen::Vector3d& w) {
     return std::max(0.0, std::abs(on_plane(p, w).off_mm) - half_band);
   });
@@ -172,6 +178,10 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
                             g.kind == Gesture::Kind::double_tap || g.kind == Gesture::Kind::long_press;
     if (review.tool == Tool::curve && one_finger) {
       use_curve_tool(ui, review.curve, place, g);
+    } else if (review.tool == Tool::contour && review.calibrated && one_finger) {
+      use_contour_tool(
+          ui, review, g, Window::reslice, [&](Vec2 at) { return from_plane(p, place.mm(at)); }, project,
+          [&](const ContourView& c) { return lies_in(c, p, half_band); });
     } else if (sets_points(review) && (g.kind == Gesture::Kind::tap || g.kind == Gesture::Kind::long_press)) {
       use_point_tools(ui, review, g, from_plane(p, place.mm(g.start)), project);
     } else if (!(sets_points(review) && g.kind == Gesture::Kind::double_tap)) {

@@ -5,44 +5,17 @@
 #include "ui/controls.h"
 #include "ui/panels/lamps.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/sheet.h"
 
 namespace sonoband::ui {
 namespace {
-
-constexpr command::OpenSheet close_sheet{};
-
-// The paper of a sheet `width` x `height` units with its title and a way out; returns what is inside.
-Rect paper(Ui& ui, float width, float height, std::string_view title, bool can_close) {
-  const Rect screen = ui.metrics.screen;
-  const std::uint64_t around = ui.widgets.add("sheet/around", screen);
-  ui.draw.fill(screen, colour::shade);
-  const float w = std::min(ui.px(width), screen.width - ui.px(32));
-  const float h = std::min(ui.px(height), screen.height - ui.px(32));
-  const Rect r{std::round(screen.centre().x - w / 2), std::round(screen.centre().y - h / 2), w, h};
-  ui.widgets.add("sheet", r);
-  ui.draw.fill(r, colour::panel, ui.px(12));
-  ui.draw.outline(r, colour::border, ui.px(1), ui.px(12));
-  Rect inside = r.inset(ui.px(22), ui.px(16));
-  Rect bar = inside.cut_top(std::max(ui.metrics.target, ui.px(48)));
-  if (can_close) {
-    const Rect corner = bar.cut_right(bar.height);
-    ButtonLook look{Icon::close, Role::quiet, false, true, false};
-    if (button(ui, "sheet/close", corner, "", look)) ui.send(close_sheet);
-    for (const Gesture& g : ui.gestures) {
-      if (g.kind == Gesture::Kind::tap && g.target == around) ui.send(close_sheet);
-    }
-  }
-  ui.draw.text_in(bar, Align::left, Type::title, colour::ink, title);
-  inside.cut_top(ui.px(8));
-  return inside;
-}
 
 void draw_losses(Ui& ui, const View& view) {
   const LossStatus& losses = view.status.losses;
   const Texts& t = ui.texts;
   const float line = 34;
   const auto lines = static_cast<float>(std::max<std::size_t>(1, losses.by_cause.size()));
-  Rect rest = paper(ui, 560, 110 + (lines + 1) * line, t.losses_title, true);
+  Rect rest = sheet_paper(ui, 560, 110 + (lines + 1) * line, t.losses_title, true);
   if (losses.by_cause.empty()) {
     ui.draw.text_in(rest.cut_top(ui.px(line)), Align::left, Type::body, colour::ink_quiet, t.no_losses);
     return;
@@ -85,7 +58,7 @@ void draw_source(Ui& ui, const View& view) {
       lamp = ring_lamp(s.ring, t);
       break;
   }
-  Rect rest = paper(ui, 560, 210, title, true);
+  Rect rest = sheet_paper(ui, 560, 210, title, true);
   Rect line = rest.cut_top(ui.px(34));
   ui.draw.disc({line.x + ui.px(9), line.centre().y}, ui.px(8), lamp.colour);
   line.cut_left(ui.px(30));
@@ -100,7 +73,7 @@ void draw_picture_sheet(Ui& ui, const View& view) {
   Look look = view.review.look;
   const float line = std::max(ui.metrics.target, ui.px(54)) / ui.metrics.unit;
   const float lines = doppler ? 5 : 3;
-  Rect rest = paper(ui, 620, 96 + lines * (line + 8) + line + 12, t.picture_settings, true);
+  Rect rest = sheet_paper(ui, 620, 96 + lines * (line + 8) + line + 12, t.picture_settings, true);
   const auto sliding = [&](std::string_view name, std::string_view title, const Line& value, double now,
                            double least, double most) {
     Rect r = rest.cut_top(ui.px(line));
@@ -139,7 +112,7 @@ void draw_picture_sheet(Ui& ui, const View& view) {
 }
 
 void draw_help(Ui& ui, const Texts& t) {
-  Rect rest = paper(ui, 780, 560, t.help_title, true);
+  Rect rest = sheet_paper(ui, 780, 560, t.help_title, true);
   const float line = std::min(ui.px(27), rest.height / static_cast<float>(t.help_lines.size()));
   for (const auto& [keys, words] : t.help_lines) {
     Rect r = rest.cut_top(line);
@@ -176,7 +149,7 @@ void draw_keyboard(Ui& ui, const Rect& r) {
 
 void draw_new_exam(Ui& ui, const View& view) {
   const Texts& t = ui.texts;
-  Rect rest = paper(ui, 760, 560, t.new_exam, true);
+  Rect rest = sheet_paper(ui, 760, 560, t.new_exam, true);
   ui.draw.text_in(rest.cut_top(ui.px(24)), Align::left, Type::small, colour::ink_quiet, t.patient_label);
   const Rect field = rest.cut_top(std::max(ui.metrics.target, ui.px(52)));
   ui.draw.fill(field, colour::ground, ui.px(8));
@@ -196,62 +169,11 @@ void draw_new_exam(Ui& ui, const View& view) {
     ui.send(command::NewExam{});
 }
 
-void draw_export(Ui& ui, const View& view) {
-  const Texts& t = ui.texts;
-  const ExportView& e = view.exams.transfer;
-  constexpr std::array<std::string_view, 6> formats = {"export/format-0", "export/format-1",
-                                                       "export/format-2", "export/format-3",
-                                                       "export/format-4", "export/format-5"};
-  constexpr std::array<std::string_view, 4> places = {"export/place-0", "export/place-1", "export/place-2",
-                                                      "export/place-3"};
-  Rect rest = paper(ui, 700, 470, t.export_exam, !e.running);
-  Rect foot = rest.cut_bottom(std::max(ui.metrics.target, ui.px(54)));
-  const auto list = [&](Rect r, std::string_view title, auto names, std::span<const std::string_view> labels,
-                        int chosen) {
-    int tapped = -1;
-    ui.draw.text_in(r.cut_top(ui.px(28)), Align::left, Type::small, colour::ink_quiet, title);
-    for (int i = 0; i < static_cast<int>(std::min(labels.size(), names.size())); ++i) {
-      ButtonLook look;
-      look.chosen = i == chosen;
-      look.enabled = !e.running;
-      if (button(ui, names[i], r.cut_top(ui.metrics.target), labels[i], look)) tapped = i;
-      r.cut_top(ui.px(5));
-    }
-    return tapped;
-  };
-  const int format = list(column(rest, 0, 2, ui.px(16)), t.format, formats, e.formats, e.format);
-  const int place = list(column(rest, 1, 2, ui.px(16)), t.place, places, e.places, e.place);
-  if (format >= 0) ui.send(command::ChooseExport{format, e.place});
-  if (place >= 0) ui.send(command::ChooseExport{e.format, place});
-  if (!e.running) {
-    ButtonLook go{Icon::export_to, Role::primary, false, view.exams.selected != 0 && !e.places.empty(),
-                  false};
-    if (button(ui, "export/start", foot.cut_right(ui.px(200)), t.export_exam, go))
-      ui.send(command::StartExport{view.exams.selected});
-    ui.draw.text_in(foot, Align::left, Type::small, colour::ink_quiet, t.research_only);
-    return;
-  }
-  if (button(ui, "export/cancel", foot.cut_right(ui.px(160)), t.cancel, {})) ui.send(command::CancelExport{});
-  foot.cut_right(ui.px(14));
-  const auto part = static_cast<float>(std::clamp(e.done, 0.0, 1.0));
-  const Rect words = row(foot, 0, 2, 0);
-  const Rect bar = row(foot, 1, 2, 0).inset(0, ui.px(9));
-  ui.draw.text_in(words, Align::left, Type::body, colour::ink,
-                  Line(t.exporting, {number(std::floor(part * 100), 0)}));
-  ui.draw.fill(bar, colour::raised, bar.height / 2);
-  ui.draw.fill({bar.x, bar.y, std::max(bar.height, bar.width * part), bar.height}, colour::accent,
-               bar.height / 2);
-}
-
 void draw_recovering(Ui& ui, const View& view) {
   const Texts& t = ui.texts;
-  Rect rest = paper(ui, 620, 220, t.recovering_title, false);
+  Rect rest = sheet_paper(ui, 620, 220, t.recovering_title, false);
   ui.draw.paragraph(rest.cut_top(ui.px(60)), Type::body, colour::ink_quiet, t.recovering_words);
-  const Rect bar = rest.cut_top(ui.px(12));
-  const auto part = static_cast<float>(std::clamp(view.recovering, 0.0, 1.0));
-  ui.draw.fill(bar, colour::raised, bar.height / 2);
-  ui.draw.fill({bar.x, bar.y, std::max(bar.height, bar.width * part), bar.height}, colour::accent,
-               bar.height / 2);
+  progress_bar(ui, rest.cut_top(ui.px(12)), view.recovering);
 }
 
 }  // namespace
@@ -271,7 +193,7 @@ void draw_sheet(Ui& ui, const View& view) {
     case Sheet::new_exam:
       return draw_new_exam(ui, view);
     case Sheet::export_exam:
-      return draw_export(ui, view);
+      return draw_export_sheet(ui, view);
     case Sheet::recovering:
       return draw_recovering(ui, view);
   }

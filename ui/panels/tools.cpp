@@ -1,8 +1,10 @@
 // Under the four windows: how the bands are made (first row), and the tools with what each needs (second
 // row).
+#include <algorithm>
 #include <cmath>
 
 #include "ui/controls.h"
+#include "ui/panels/contours.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/windows.h"
 
@@ -80,6 +82,9 @@ void draw_context(Ui& ui, Rect r, const View& view) {
   std::string_view hint = t.hint_move;
   switch (review.tool) {
     case Tool::move:
+      if (view.exams.on_disk &&
+          action(ui, r, {"tools/export", t.export_exam, Icon::export_to, !review.frames.empty()}))
+        ui.send(command::OpenSheet{Sheet::export_exam, Source::scanner});
       if (action(ui, r, {"tools/reset", t.reset, Icon::home, !review.frames.empty()}))
         ui.send(command::ResetPlane{});
       break;
@@ -112,11 +117,18 @@ void draw_context(Ui& ui, Rect r, const View& view) {
       r.cut_right(ui.px(8));
       break;
     }
-    case Tool::contour:
+    case Tool::contour: {
+      // What lies elsewhere is not cleared unseen.
+      const auto seen = [&](const ContourView& c) { return in_sight(c, review); };
       hint = t.hint_contour;
-      if (action(ui, r, {"contour/clear", t.clear, Icon::clear, !review.contours.empty()}))
-        ui.send(command::RemoveContour{});
+      if (action(ui, r,
+                 {"contour/clear", t.clear, Icon::clear,
+                  std::any_of(review.contours.begin(), review.contours.end(), seen)})) {
+        for (const ContourView& c : review.contours)
+          if (seen(c)) ui.send(command::RemoveContour{c.number});
+      }
       break;
+    }
   }
   const bool measures =
       review.tool == Tool::landmark || review.tool == Tool::measure || review.tool == Tool::contour;

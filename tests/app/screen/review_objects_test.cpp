@@ -31,11 +31,10 @@ SweepReview some_review(std::uint32_t seed) {
     r.measurements.push_back({i + 1, static_cast<ui::Measure>(i), {}});
     for (std::size_t k = 0; k < points; ++k) r.measurements.back().points.push_back(point3(random));
   }
-  r.contours.push_back({7, Stamp(Duration(123'456'789'012'345)), {}, {}});
-  for (int i = 0; i < 12; ++i) {
-    r.contours.back().points_px.emplace_back(mm(random), mm(random));
-    r.contours.back().points.push_back(point3(random));
-  }
+  r.contours.push_back({7, Stamp(Duration(123'456'789'012'345)), std::nullopt, {}});
+  r.contours.push_back({9, {}, make_plane(point3(random), point3(random), point3(random), 64, 48, 0.2), {}});
+  for (SweepReview::Contour& contour : r.contours)
+    for (int i = 0; i < 12; ++i) contour.points.push_back(point3(random));
   return r;
 }
 
@@ -49,7 +48,7 @@ TEST(ReviewObjects, WhatIsReadIsWhatWasWrittenToTheLastBit) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const SweepReview made = some_review(seed);
     std::vector<exam::ReviewObject> objects = objects_of(made, 2);
-    EXPECT_EQ(objects.size(), 10u);
+    EXPECT_EQ(objects.size(), 11u);
     std::vector<std::string> refused;
     const SweepReview read = review_of(objects, 2, refused);
     EXPECT_TRUE(refused.empty());
@@ -59,6 +58,10 @@ TEST(ReviewObjects, WhatIsReadIsWhatWasWrittenToTheLastBit) {
     EXPECT_EQ(read.curve.line, made.curve.line);
     EXPECT_EQ(read.contours.at(0).captured, made.contours.at(0).captured);
     EXPECT_EQ(read.contours.at(0).points, made.contours.at(0).points);
+    EXPECT_FALSE(read.contours.at(0).plane);
+    ASSERT_TRUE(read.contours.at(1).plane);
+    EXPECT_EQ(read.contours.at(1).plane->origin.v, made.contours.at(1).plane->origin.v);
+    EXPECT_EQ(read.contours.at(1).points, made.contours.at(1).points);
     EXPECT_EQ(read.settings.band.thickness_mm, made.settings.band.thickness_mm);
     EXPECT_EQ(texts(objects_of(read, 2)), texts(objects));
     EXPECT_TRUE(review_of(objects, 1, refused).landmarks.empty()) << "they are another sweep's";

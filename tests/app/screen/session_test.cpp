@@ -181,26 +181,63 @@ TEST(Session, LandmarksKeepTheirNumbers) {
   EXPECT_EQ(marks[2].number, 4);
 }
 
+// A rectangle of 2 by 1 about `corner`, and its first point again as a finger would come back to it.
+void draw_contour(Desk& desk, ui::Window window, const Eigen::Vector3d& corner, const Eigen::Vector3d& right,
+                  const Eigen::Vector3d& down) {
+  desk.apply(c::BeginContour{corner, window});
+  for (const auto& [x, y] : {std::pair{2, 0}, std::pair{2, 1}, std::pair{0, 1}})
+    desk.apply(c::ExtendContour{corner + x * right + y * down});
+}
+
 TEST(Session, AContourHasTheAreaItEncloses) {
   Desk desk;
   desk.record(1);
-  desk.apply(c::BeginContour{{10, 10}});
-  for (const Eigen::Vector2d& p : {Eigen::Vector2d(30, 10), Eigen::Vector2d(30, 20), Eigen::Vector2d(10, 20)})
-    desk.apply(c::ExtendContour{p});
+  const TrackedFrame& f = *desk.shown().review.frames[frame_count / 2];
+  const Eigen::Vector3d corner = ui::from_image(f, {10, 10});
+  draw_contour(desk, ui::Window::review, corner, ui::from_image(f, {20, 10}) - corner,
+               ui::from_image(f, {10, 20}) - corner);
   EXPECT_EQ(desk.shown().review.contours[0].area_mm2, 0) << "it is not closed yet";
   desk.apply(c::EndContour{});
   ASSERT_EQ(desk.shown().review.contours.size(), 1u);
   EXPECT_NEAR(desk.shown().review.contours[0].area_mm2, 20 * 10 * pixel_mm * pixel_mm, 1e-9);
   EXPECT_EQ(desk.shown().review.contours[0].frame, frame_count / 2);
-  desk.apply(c::StepFrames{1});
-  desk.apply(c::RemoveContour{});
-  EXPECT_EQ(desk.shown().review.contours.size(), 1u) << "it lies on another B-scan";
-  desk.apply(c::StepFrames{-1});
-  desk.apply(c::RemoveContour{});
+  EXPECT_FALSE(desk.shown().review.contours[0].on_plane);
+  const int number = desk.shown().review.contours[0].number;
+  desk.apply(c::RemoveContour{number + 1});
+  EXPECT_EQ(desk.shown().review.contours.size(), 1u) << "that is another one";
+  desk.apply(c::RemoveContour{number});
   EXPECT_TRUE(desk.shown().review.contours.empty());
-  desk.apply(c::BeginContour{{10, 10}});
+  desk.apply(c::BeginContour{corner, ui::Window::review});
   desk.apply(c::EndContour{});
   EXPECT_TRUE(desk.shown().review.contours.empty()) << "a tap encloses nothing";
+}
+
+// It stays on the anatomy as the plane moves on, and is kept with the sweep.
+TEST(Session, AContourOnThePlaneStaysWhereItWasDrawn) {
+  Desk desk;
+  desk.record(1);
+  const ReslicePlane plane = desk.shown().review.plane;
+  const Eigen::Vector3d corner = ui::from_plane(plane, {5, 6});
+  draw_contour(desk, ui::Window::reslice, corner, 3 * plane.right.v, 2 * plane.down.v);
+  desk.apply(c::EndContour{});
+  desk.apply(c::PushPlane{4});
+  desk.apply(c::TurnPlane{0.3, {1, 2}});
+  const ui::ReviewView& review = desk.shown().review;
+  ASSERT_EQ(review.contours.size(), 1u);
+  EXPECT_TRUE(review.contours[0].on_plane);
+  EXPECT_LT(review.contours[0].frame, 0);
+  EXPECT_NEAR(review.contours[0].area_mm2, 6 * 2, 1e-9);
+  EXPECT_EQ(review.contours[0].points_world[0], corner);
+  const SweepReview kept = desk.session.review_of(1);
+  ASSERT_EQ(kept.contours.size(), 1u);
+  ASSERT_TRUE(kept.contours[0].plane);
+  EXPECT_EQ(kept.contours[0].plane->origin.v, plane.origin.v) << "the plane it was drawn on";
+  desk.record(2);
+  EXPECT_TRUE(desk.shown().review.contours.empty());
+  ASSERT_TRUE(desk.session.show_again(1));
+  ASSERT_EQ(desk.shown().review.contours.size(), 1u);
+  EXPECT_NEAR(desk.shown().review.contours[0].area_mm2, 6 * 2, 1e-9);
+  EXPECT_TRUE(desk.shown().review.contours[0].on_plane);
 }
 
 TEST(Session, TheCineGoesRoundAndAFlickRunsOutAtTheEnd) {
@@ -343,15 +380,37 @@ TEST(Session, AFingerOnTheStripHasLayersGotReady) {
 
 TEST(Session, WithoutASweepNoCommandDoesHarm) {
   Desk desk;
-  const std::vector<ui::Command> all = {
-      c::ShowFrame{5},          c::StepFrames{-3},       c::Play{true},        c::MovePlane{{1, 1}},
-      c::ZoomPlane{2, {0, 0}},  c::TurnPlane{1, {0, 0}}, c::PushPlane{1},      c::TiltPlane{1, 1, {0, 0}},
-      c::ResetPlane{},          c::ShapePlane{2},        c::GrabVertex{3},     c::DragVertex{3, {1, 1}},
-      c::DropVertex{},          c::UndoCurve{},          c::RedoCurve{},       c::FinishMeasure{},
-      c::ExtendContour{{1, 1}}, c::EndContour{},         c::RemoveLandmark{4}, c::OpenExam{99},
-      c::DeleteExam{99},        c::UndoDelete{},         c::ScrollExams{-5},   c::SelectExam{99},
-      c::StartExport{99},       c::CancelExport{},       c::SetThickness{-3},  c::Fling{50},
-      c::AboutToPush{}};
+  const std::vector<ui::Command> all = {c::ShowFrame{5},
+                                        c::StepFrames{-3},
+                                        c::Play{true},
+                                        c::MovePlane{{1, 1}},
+                                        c::ZoomPlane{2, {0, 0}},
+                                        c::TurnPlane{1, {0, 0}},
+                                        c::PushPlane{1},
+                                        c::TiltPlane{1, 1, {0, 0}},
+                                        c::ResetPlane{},
+                                        c::ShapePlane{2},
+                                        c::GrabVertex{3},
+                                        c::DragVertex{3, {1, 1}},
+                                        c::DropVertex{},
+                                        c::UndoCurve{},
+                                        c::RedoCurve{},
+                                        c::FinishMeasure{},
+                                        c::BeginContour{{1, 1, 1}},
+                                        c::ExtendContour{{1, 1, 1}},
+                                        c::EndContour{},
+                                        c::RemoveContour{1},
+                                        c::RemoveLandmark{4},
+                                        c::OpenExam{99},
+                                        c::DeleteExam{99},
+                                        c::UndoDelete{},
+                                        c::ScrollExams{-5},
+                                        c::SelectExam{99},
+                                        c::StartExport{99},
+                                        c::CancelExport{},
+                                        c::SetThickness{-3},
+                                        c::Fling{50},
+                                        c::AboutToPush{}};
   for (const ui::Command& command : all) {
     desk.session.apply(command);
     desk.pass(milliseconds(20));

@@ -2,83 +2,13 @@
 // state against its golden picture.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <fstream>
+#include <filesystem>
 
-#include "app/exchange/png.h"
+#include "tests/app/screen/golden.h"
 #include "tests/app/screen/screen_support.h"
 
 namespace sonoband::test {
 namespace {
-
-using exchange::PngPicture;
-
-constexpr int shrink = 4;
-// Within one distribution processors differ by up to 4; on another, glyphs do.
-constexpr int tolerance = 8;
-
-std::filesystem::path golden_folder() {
-  return std::filesystem::path(SONOBAND_SOURCE_DIR) / "tests/golden/screen";
-}
-
-// A quarter as wide and high, by means. How much room this machine's disk has is no part of it: those places
-// are blank.
-PngPicture shrunk(const ui::Rgba& all, const std::vector<ui::Rect>& blank) {
-  PngPicture out{all.width / shrink, all.height / shrink, 3, {}, 0, {}};
-  out.bytes.resize(static_cast<std::size_t>(out.width) * out.height * 3);
-  for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x) {
-      std::array<int, 3> sum{};
-      for (int dy = 0; dy < shrink; ++dy) {
-        for (int dx = 0; dx < shrink; ++dx) {
-          const int px = x * shrink + dx;
-          const int py = y * shrink + dy;
-          const ui::Vec2 at{static_cast<float>(px), static_cast<float>(py)};
-          if (std::any_of(blank.begin(), blank.end(), [&](const ui::Rect& r) { return r.contains(at); }))
-            continue;
-          for (std::size_t c = 0; c < 3; ++c)
-            sum[c] += all.bytes[(static_cast<std::size_t>(py) * all.width + px) * 4 + c];
-        }
-      }
-      for (std::size_t c = 0; c < 3; ++c)
-        out.bytes[(static_cast<std::size_t>(y) * out.width + x) * 3 + c] =
-            static_cast<std::uint8_t>(sum[c] / (shrink * shrink));
-    }
-  }
-  return out;
-}
-
-// With SONOBAND_GOLDENS=write the picture becomes the golden one; look at it before it is committed.
-void expect_golden(ScreenCart& cart, const std::string& name) {
-  const ui::Rgba all = cart.shot(name);
-  std::vector<ui::Rect> blank;
-  for (const char* widget : {"status/storage", "set-up/devices", "set-up/storage"}) {
-    if (const auto found = cart.loop().screen().widgets().find(widget)) blank.push_back(found->rect);
-  }
-  ASSERT_FALSE(blank.empty());
-  const PngPicture got = shrunk(all, blank);
-  const auto file = golden_folder() / (name + ".png");
-  const char* mode = std::getenv("SONOBAND_GOLDENS");
-  if (mode != nullptr && std::string(mode) == "write") {
-    std::filesystem::create_directories(golden_folder());
-    exchange::write_png(got, file);
-    return;
-  }
-  const PngPicture golden = exchange::read_png(file);
-  ASSERT_EQ(golden.width, got.width) << name;
-  ASSERT_EQ(golden.height, got.height) << name;
-  int worst = 0;
-  std::size_t at = 0;
-  for (std::size_t i = 0; i < got.bytes.size(); ++i) {
-    const int off = std::abs(int{got.bytes[i]} - int{golden.bytes[i]});
-    if (off > worst) at = i;
-    worst = std::max(worst, off);
-  }
-  const int pixel = static_cast<int>(at / 3);
-  EXPECT_LE(worst, tolerance) << name << ": at " << shrink * (pixel % got.width) << ", "
-                              << shrink * (pixel / got.width);
-}
 
 struct Look {
   int width, height;
@@ -142,6 +72,20 @@ tap reslice/picture
 drag outline/picture 0.5,0.5 0.6,0.45 0.1
 )");
   golden("measured");
+  cart.play(R"(tap measure/clear
+tap tools/contour
+drag review/picture 0.42,0.45 0.58,0.45 0.58,0.6 0.42,0.6 0.42,0.46 0.5
+drag reslice/picture 0.4,0.4 0.6,0.36 0.62,0.6 0.42,0.64 0.4,0.42 0.5
+)");
+  const auto contours = cart.loop().view().review.contours;
+  ASSERT_EQ(contours.size(), 2u);
+  EXPECT_GE(contours[0].frame, 0);
+  EXPECT_TRUE(contours[1].on_plane);
+  golden("contoured");
+  cart.play("hold reslice/picture 0.8\n");
+  EXPECT_EQ(cart.loop().view().review.contours.size(), 1u) << "the finger rested inside it";
+  cart.play("tap contour/clear\n");
+  EXPECT_TRUE(cart.loop().view().review.contours.empty());
   cart.play("tap rail/snapshot\n");
   EXPECT_TRUE(std::filesystem::exists(settings.screen.shots / "snapshot-1.png"));
   cart.play("tap rail/live\nwait 0.2\npress\nwait 1\nrelease\nawait review 5\nwait 0.3\n");
