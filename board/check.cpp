@@ -201,27 +201,22 @@ CheckLine check_display() {
   return {CheckResult::missing, "display", "no graphics device", "connect the display and check its driver"};
 }
 
-// A board without a battery for its clock begins in the past: exams would get dates that never were.
-bool before_the_program_was_made() {
-  struct stat program {};
-  timespec day{};
-  clock_gettime(CLOCK_REALTIME, &day);
-  return stat("/proc/self/exe", &program) == 0 && day.tv_sec < program.st_mtim.tv_sec;
+double seconds_of(const timespec& t) {
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 CheckLine check_clock() {
-  if (before_the_program_was_made())
-    return {CheckResult::warning, "clock", "the time of day is before this program was made",
-            "set it with `timedatectl set-time`, and install systemd-timesyncd, which keeps it"};
-  timespec mono{};
-  timespec boot{};
-  clock_gettime(CLOCK_MONOTONIC, &mono);
-  clock_gettime(CLOCK_BOOTTIME, &boot);
-  const double apart = static_cast<double>(boot.tv_sec - mono.tv_sec) +
-                       1e-9 * static_cast<double>(boot.tv_nsec - mono.tv_nsec);
-  if (apart < 0.001) return {CheckResult::found, "clock", "never suspended", ""};
-  return {CheckResult::warning, "clock", "the machine was suspended since it booted",
-          "switch suspend off: a cart that sleeps loses its devices' clocks"};
+  struct stat program {};
+  ClockReadings now;
+  timespec t{};
+  clock_gettime(CLOCK_REALTIME, &t);
+  now.day_s = seconds_of(t);
+  if (stat("/proc/self/exe", &program) == 0) now.program_made_s = seconds_of(program.st_mtim);
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  now.awake_s = seconds_of(t);
+  clock_gettime(CLOCK_BOOTTIME, &t);
+  now.since_boot_s = seconds_of(t);
+  return clock_line(now);
 }
 
 CheckLine check_limits() {
@@ -236,6 +231,17 @@ CheckLine check_limits() {
 }
 
 }  // namespace
+
+CheckLine clock_line(const ClockReadings& now) {
+  // A board without a battery for its clock begins in the past: exams would get dates that never were.
+  if (now.day_s < now.program_made_s)
+    return {CheckResult::warning, "clock", "the time of day is before this program was made",
+            "set it with `timedatectl set-time`, and install systemd-timesyncd, which keeps it"};
+  // The two are read one after the other.
+  if (now.since_boot_s - now.awake_s < 0.001) return {CheckResult::found, "clock", "never suspended", ""};
+  return {CheckResult::warning, "clock", "the machine was suspended since it booted",
+          "switch suspend off: a cart that sleeps loses its devices' clocks"};
+}
 
 std::vector<CheckLine> check_board(const std::string& board, const Profile& profile) {
   if (board == "sim" || board == "replay") {

@@ -65,6 +65,7 @@ void VideoSource::start() {
   if (started_) return;
   started_ = true;
   ever_streamed_ = false;
+  counts_ = false;
   next_open_ = clock_.now();
   health_.delivered = 0;
   health_.say(DeviceState::starting, "");
@@ -117,15 +118,23 @@ void VideoSource::trouble(VideoStatus why) {
   next_open_ = clock_.now() + (why == VideoStatus::changed ? Duration(0) : look_again);
 }
 
+// Of a grabber that does not count its frames the stamps alone tell two from one shown twice. Frames come a
+// little early and late; half the time between them is neither.
+bool VideoSource::is_later(const VideoBuffer& buffer) const {
+  return static_cast<double>(buffer.stamp_ns - last_device_ns_) >= 0.5e9 / settings_.rate_hz;
+}
+
 bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
   const Stamp now = clock_.now();
   std::uint64_t missed = 0;
   if (last_sequence_) {
     const std::uint32_t step = buffer.sequence - *last_sequence_;
-    if (step == 0) return false;  // the same frame twice
-    if (step <= most_lost) missed = step - 1;
+    if (step == 0 && (counts_ || !is_later(buffer))) return false;  // the same frame twice
+    counts_ = counts_ || step != 0;
+    if (step != 0 && step <= most_lost) missed = step - 1;
   }
   last_sequence_ = buffer.sequence;
+  last_device_ns_ = buffer.stamp_ns;
   sequence_ += missed + 1;
   health_.lost.fetch_add(missed, std::memory_order_relaxed);
 

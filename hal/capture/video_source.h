@@ -1,7 +1,8 @@
 // The scanner's pictures from a video device: kept streaming whatever the device does.
 //
 // Each frame carries the kernel's stamp and count. A jump of the count is that many lost; a buffer the driver
-// calls damaged, or whose bytes do not hold the picture, is lost too. A source that is silent too long is
+// calls damaged, or whose bytes do not hold the picture, is lost too. Of a grabber that never counted a frame
+// lost ones are not known; a later stamp is a new frame. A source that is silent too long is
 // restarted, and after the third time in a row opened anew; one that changed its picture is asked again what
 // it sends. A frame is valid until the next read.
 #pragma once
@@ -44,6 +45,7 @@ class VideoSource final : public FrameSource {
   enum class State : std::uint8_t { closed, streaming };
 
   VideoStatus bring_up();
+  bool is_later(const VideoBuffer& buffer) const;
   bool accept(const VideoBuffer& buffer, Frame& out);
   void trouble(VideoStatus why);
   void close();
@@ -62,6 +64,8 @@ class VideoSource final : public FrameSource {
   Stamp last_frame_{};
   int silent_restarts_ = 0;
   std::optional<std::uint32_t> last_sequence_;
+  std::int64_t last_device_ns_ = 0;  // stamp of that frame
+  bool counts_ = false;              // this grabber's count has been seen to move since the start
   std::uint64_t sequence_ = 0;  // of ours: goes on over restarts
   std::optional<Stamp> last_stamp_;
 

@@ -46,16 +46,19 @@ class Keys final : public ContactSource {
   }
 
   ContactStatus wait(ContactEdge& out, Duration timeout) override {
-    if (libevdev_has_event_pending(keys_) <= 0) {
+    input_event event{};
+    int result = libevdev_next_event(keys_, LIBEVDEV_READ_FLAG_NORMAL, &event);
+    if (result == -EAGAIN) {
       pollfd ready{fd_, POLLIN, 0};
       const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
       const int n = poll(&ready, 1, static_cast<int>(std::min<std::int64_t>(ms, 10'000)));
       if (n == 0 || (n < 0 && errno == EINTR)) return ContactStatus::nothing_yet;
-      if ((ready.revents & POLLIN) == 0) return ContactStatus::gone;
+      result = libevdev_next_event(keys_, LIBEVDEV_READ_FLAG_NORMAL, &event);
+      // Of a pedal that is gone what it told before is still to be read; then there is nothing to wait for.
+      if (result == -EAGAIN && (n < 0 || (ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0))
+        return ContactStatus::gone;
     }
-    input_event event{};
-    const int result = libevdev_next_event(keys_, LIBEVDEV_READ_FLAG_NORMAL, &event);
-    if (result == -EAGAIN) return ContactStatus::nothing_yet;
+    if (result == -EAGAIN || result == -EINTR) return ContactStatus::nothing_yet;
     if (result == LIBEVDEV_READ_STATUS_SYNC) {
       // The kernel dropped events: let libevdev take the state over, then have every level read.
       while (libevdev_next_event(keys_, LIBEVDEV_READ_FLAG_SYNC, &event) == LIBEVDEV_READ_STATUS_SYNC) {

@@ -154,6 +154,30 @@ TEST(VideoSource, TheSameFrameTwiceIsHandedOutOnce) {
   EXPECT_EQ(rig.frames.size(), before + 4);
 }
 
+TEST(VideoSource, AGrabberThatNeverCountsStreams) {
+  Rig rig;
+  rig.device.counts = false;
+  rig.run_to(2);
+  EXPECT_GE(rig.frames.size(), 95u);  // 50 a second
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+  EXPECT_EQ(rig.health().lost, 0u);
+  EXPECT_EQ(rig.health().recoveries, 0u);
+  EXPECT_EQ(rig.device.starts, 1);
+  for (std::size_t i = 1; i < rig.frames.size(); ++i)
+    ASSERT_EQ(rig.frames[i].sequence, rig.frames[i - 1].sequence + 1);
+}
+
+TEST(VideoSource, AFrameTwiceOfAGrabberThatNeverCountsIsHandedOutOnce) {
+  Rig rig;
+  rig.device.counts = false;
+  rig.run_to(1);
+  const auto before = rig.frames.size();
+  rig.device.period = std::chrono::milliseconds(4);  // five buffers a picture
+  rig.run_to(2);
+  EXPECT_LE(rig.frames.size(), before + 100);  // no more than twice the grabber's rate
+  EXPECT_EQ(rig.health().lost, 0u);
+}
+
 TEST(VideoSource, DamagedAndTooShortBuffersAreLost) {
   Rig rig;
   rig.run_to(1);
