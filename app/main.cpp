@@ -178,7 +178,7 @@ int run(const Options& options) {
     CuePlayer cues(alsa_sink());
     run_window(*cart, board.foot, screen, board.touch.get(), &cues);
   } else if (script::needs_screen(steps)) {
-    run_headless(*cart, board.foot, screen, steps, script_name);
+    run_headless(*cart, board.foot, screen, steps, script_name, board.touch.get());
     std::printf("Played %s; its pictures are in %s\n", script_name.c_str(), screen.shots.c_str());
   } else {
     examine(options, steps, script_name, board, *cart, screen.on_band);

@@ -111,6 +111,13 @@ std::vector<Mount> removable_mounts(const MediaSources& sources) {
     const fs::path disk = disk_of(m.device, sources);
     return disk.empty() || system.contains(disk) || !can_be_pulled(disk);
   });
+  // A service that may write to few places sees a disk twice at one place, the second time above the first.
+  for (auto m = all.begin(); m != all.end();) {
+    const bool covered = std::any_of(std::next(m), all.end(), [&](const Mount& later) {
+      return later.path == m->path && later.device == m->device;
+    });
+    m = covered ? all.erase(m) : std::next(m);
+  }
   return all;
 }
 
@@ -137,20 +144,26 @@ std::optional<Mount> mount_of(const fs::path& path, const MediaSources& sources)
   return innermost;
 }
 
-// By the system's own program, which knows what others than root may unmount (fstab, udisks).
-bool unmount_as_user(const fs::path& path) {
-  std::string program = "umount";
-  std::string argument = path.string();
-  char* argv[] = {program.data(), argument.data(), nullptr};
+bool succeeds(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
   posix_spawn_file_actions_t quiet;
   posix_spawn_file_actions_init(&quiet);
   posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   ::pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, "umount", &quiet, nullptr, argv, environ);
+  const int failed = ::posix_spawnp(&child, argv[0], &quiet, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&quiet);
   int status = 0;
   return failed == 0 && ::waitpid(child, &status, 0) == child && WIFEXITED(status) &&
          WEXITSTATUS(status) == 0;
+}
+
+// By the system's own programs, which know what others than root may unmount: fstab and udisks by the first,
+// what board/sticks mounts for the cart by the second.
+bool unmount_as_user(const fs::path& path) {
+  return succeeds({"umount", path.string()}) ||
+         succeeds({"systemd-umount", "--no-ask-password", path.string()});
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ class ScreenLoop {
   std::uint64_t sweeps_taken() const { return sweeps_taken_; }
   const ui::Screen& screen() const { return screen_; }
   cart::State state() const { return state_; }
+  ui::Vec2 size_px() const { return surface_.size_px(); }
   // Pixels of the last frame, or of the widget called `part` of it, to this file in the shots folder.
   void save(const std::string& file, std::string_view part = {});
 

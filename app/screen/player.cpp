@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace sonoband {
@@ -15,6 +17,12 @@ constexpr Duration frame_time = std::chrono::nanoseconds(16'666'667);
 
 int frames_of(Duration time) {
   return std::max(1, static_cast<int>(std::lround(seconds(time) / seconds(frame_time))));
+}
+
+// At once: whoever reads along acts on it.
+void say(const nlohmann::ordered_json& line) {
+  std::printf("%s\n", line.dump().c_str());
+  std::fflush(stdout);
 }
 
 Vec2 inside(const ui::Rect& r, Vec2 part) {
@@ -31,12 +39,21 @@ void Player::play(const script::Step& step) {
 void Player::frame() {
   cart_.clock().sleep_until(cart_.clock().now() + frame_time);
   const Stamp now = cart_.clock().now();
+  if (fingers_ != nullptr) {
+    fingers_->take(panel_px_, input_);
+    loop_.tell_touch(fingers_->health());
+  }
   const bool news = loop_.listen(now);
   loop_.wait_for_renderings();
   // As in a window: a frame is drawn only when there is something new in it.
   if (!news && input_.empty() && !loop_.rendered()) return;
   loop_.draw(input_, now);
   input_.clear();
+}
+
+void Player::give_touch(TouchReader& fingers, const ui::Rect& panel_px) {
+  fingers_ = &fingers;
+  panel_px_ = panel_px;
 }
 
 void Player::fail(const std::string& sentence) const {
@@ -157,6 +174,26 @@ void Player::touch(const script::Shot& shot) {
   frames(2);
   loop_.draw(input_, cart_.clock().now());
   loop_.save(shot.file);
+}
+
+void Player::touch(const script::Where& where) {
+  const Vec2 at = find(where.widget).centre();
+  const Vec2 size = loop_.size_px();
+  say({{"widget", where.widget}, {"x", at.x / size.x}, {"y", at.y / size.y}});
+}
+
+void Player::touch(const script::AwaitPage& await) {
+  const Stamp until = cart_.clock().now() + await.at_most;
+  while (loop_.session().page() != await.page) {
+    if (cart_.clock().now() >= until) {
+      std::ostringstream sentence;
+      sentence << "the page " << script::name_of(await.page) << " was to be shown within "
+               << seconds(await.at_most) << " s and " << script::name_of(loop_.session().page()) << " is";
+      fail(sentence.str());
+    }
+    frame();
+  }
+  say({{"page", script::name_of(await.page)}});
 }
 
 }  // namespace sonoband

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/screen/loop.h"
+#include "app/screen/touch_reader.h"
 #include "app/script/script.h"
 
 namespace sonoband {
@@ -22,6 +23,10 @@ class Player {
   // 1/60 s passes and the screen is drawn if there is anything new, with the renderings it asked for: the
   // simulated clock stands still meanwhile, so pictures do not depend on how fast the machine renders.
   void frame();
+
+  // From here on fingers on the board's own touchscreen count as well; `panel_px` is the screen. `fingers`
+  // outlives the player.
+  void give_touch(TouchReader& fingers, const ui::Rect& panel_px);
 
   // What the fingers do between frames, for those who play without a script.
   ui::Input& input() { return input_; }
@@ -47,12 +52,16 @@ class Player {
   void touch(const script::TwoFingers& two);
   void touch(const script::KeyPress& press);
   void touch(const script::Shot& shot);
+  void touch(const script::Where& where);
+  void touch(const script::AwaitPage& await);
 
   cart::Appliance& cart_;
   const std::function<bool(bool)>& foot_;
   ScreenLoop& loop_;
   std::string file_;
   ui::Input input_;
+  TouchReader* fingers_ = nullptr;  // null: the board has no touchscreen
+  ui::Rect panel_px_;
   int line_ = 0;
 };
 

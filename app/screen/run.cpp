@@ -35,10 +35,15 @@ void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& op
 }
 
 void run_headless(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
-                  const std::vector<script::Step>& steps, const std::string& script_name) {
+                  const std::vector<script::Step>& steps, const std::string& script_name, Touch* touch) {
   ui::HeadlessSurface surface(options.width, options.height);
   ScreenLoop loop(cart, foot, options, surface);
   Player player(cart, foot, loop, script_name);
+  std::optional<TouchReader> fingers;
+  if (touch != nullptr) {
+    fingers.emplace(*touch, cart.clock(), [] {});  // the player looks at each frame
+    player.give_touch(*fingers, {0, 0, surface.size_px().x, surface.size_px().y});
+  }
   player.frame();
   for (const script::Step& step : steps) {
     if (loop.quits()) break;

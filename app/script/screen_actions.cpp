@@ -21,6 +21,11 @@ constexpr std::array<std::pair<std::string_view, ui::Key>, 13> keys = {{{"left",
                                                                         {"f1", ui::Key::f1},
                                                                         {"f11", ui::Key::f11}}};
 
+constexpr std::array<std::pair<std::string_view, ui::Page>, 4> pages = {{{"live", ui::Page::live},
+                                                                         {"review", ui::Page::review},
+                                                                         {"exams", ui::Page::exams},
+                                                                         {"set-up", ui::Page::set_up}}};
+
 void need_words(const Place& place, const Words& words, std::size_t count, const std::string& example) {
   if (words.size() != count) place.refuse(words[0] + " is written as in: " + example);
 }
@@ -64,7 +69,20 @@ KeyPress key_action(const Place& place, const Words& words) {
   return press;
 }
 
+AwaitPage page_action(const Place& place, const Words& words) {
+  need_words(place, words, 3, "await-page exams 60");
+  for (const auto& [word, page] : pages) {
+    if (word == words[1])
+      return AwaitPage{page, from_seconds(number_in(place, "seconds", words[2], 0, 3600))};
+  }
+  place.refuse("the pages are live, review, exams and set-up, not '" + words[1] + "'");
+}
+
 }  // namespace
+
+std::string_view name_of(ui::Page page) {
+  return pages[static_cast<std::size_t>(page)].first;
+}
 
 std::optional<ScreenAction> screen_action(const Place& place, const Words& words) {
   const std::string& verb = words[0];
@@ -87,6 +105,11 @@ std::optional<ScreenAction> screen_action(const Place& place, const Words& words
     return TwoFingers{words[1], 1, static_cast<float>(deg * std::numbers::pi / 180)};
   }
   if (verb == "key") return key_action(place, words);
+  if (verb == "where") {
+    need_words(place, words, 2, "where rail/exams");
+    return Where{words[1]};
+  }
+  if (verb == "await-page") return page_action(place, words);
   if (verb == "shot") {
     Shot shot{picture_file(place, words)};
     need_words(place, words, 2, "shot review.png");

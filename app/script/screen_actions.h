@@ -9,6 +9,7 @@
 #include "app/script/words.h"
 #include "core/time.h"
 #include "ui/host/surface.h"
+#include "ui/view.h"
 
 namespace sonoband::script {
 
@@ -37,7 +38,19 @@ struct Shot {
   std::string file;
 };
 
-using ScreenAction = std::variant<Tap, Hold, Drag, TwoFingers, KeyPress, Shot>;
+// For somebody outside who works the board's own touchscreen.
+struct Where {
+  std::string widget;
+};
+struct AwaitPage {
+  ui::Page page{};
+  Duration at_most{};
+};
+
+using ScreenAction = std::variant<Tap, Hold, Drag, TwoFingers, KeyPress, Shot, Where, AwaitPage>;
+
+// As scripts write it.
+std::string_view name_of(ui::Page page);
 
 // Empty when the line's verb is none of the screen's. Throws BadInput.
 std::optional<ScreenAction> screen_action(const Place& place, const Words& words);

@@ -127,7 +127,7 @@ Action action(const Place& place, const Words& words) {
   if (const auto on_screen = screen_action(place, words)) return *on_screen;
   place.refuse("there is no action '" + verb +
                "'; there are wait, press, release, await, watch, render and manifold, and with the screen "
-               "tap, double-tap, hold, drag, pinch, twist, key and shot");
+               "tap, double-tap, hold, drag, pinch, twist, key, shot, where and await-page");
 }
 
 }  // namespace

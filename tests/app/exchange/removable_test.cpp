@@ -78,6 +78,19 @@ TEST_F(Removable, OnlyDisksThatCanBePulledAreOffered) {
   EXPECT_EQ(places[2].label, "card");
 }
 
+// As a service sees it that may write to few places of the system: the folder is mounted onto itself, with
+// what was in it.
+TEST_F(Removable, ADiskThatIsMountedTwiceAtOnePlaceIsOfferedOnce) {
+  device("8:17", "pci0/usb1/1-1/block/sdb", true, "sdb1");
+  mounted("0:24", "/run", "tmpfs");
+  mounted("8:17", "/run/media/sonoband/sdb1", "/dev/sdb1");
+  mounted("0:24", "/run/media/sonoband", "tmpfs");
+  mounted("8:17", "/run/media/sonoband/sdb1", "/dev/sdb1");
+  const std::vector<Place> places = removable_places(sources);
+  ASSERT_EQ(places.size(), 1u);
+  EXPECT_EQ(places[0].path, "/run/media/sonoband/sdb1");
+}
+
 TEST_F(Removable, NothingIsOfferedWhereTheKernelSaysNothing) {
   EXPECT_TRUE(removable_places(sources).empty());
   EXPECT_NE(release("/tmp", sources).find("no disk that can be pulled"), std::string::npos);

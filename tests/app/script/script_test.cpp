@@ -58,9 +58,11 @@ twist reslice/picture 90
 key page-up
 key v
 shot review.png
+where rail/exams
+await-page set-up 60
 )",
                            "exam.script");
-  ASSERT_EQ(steps.size(), 9u);
+  ASSERT_EQ(steps.size(), 11u);
   EXPECT_TRUE(needs_screen(steps));
   const auto action = [&](std::size_t i) { return std::get<ScreenAction>(steps[i].action); };
   EXPECT_EQ(std::get<Tap>(action(0)).widget, "tools/curve");
@@ -75,6 +77,9 @@ shot review.png
   EXPECT_EQ(std::get<KeyPress>(action(6)).key.key, ui::Key::page_up);
   EXPECT_EQ(std::get<KeyPress>(action(7)).key.character, U'v');
   EXPECT_EQ(std::get<Shot>(action(8)).file, "review.png");
+  EXPECT_EQ(std::get<Where>(action(9)).widget, "rail/exams");
+  EXPECT_EQ(std::get<AwaitPage>(action(10)).page, ui::Page::set_up);
+  EXPECT_EQ(std::get<AwaitPage>(action(10)).at_most, from_seconds(60));
   EXPECT_FALSE(needs_screen(parse("press\nwait 1\nrelease\n", "exam.script")));
 }
 
@@ -88,6 +93,9 @@ TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
   EXPECT_EQ(refusal("pinch reslice/picture 9"),
             "exam.script:1: the scale must be a number from 0.2 to 5, not '9'");
   EXPECT_EQ(refusal("key any"), "exam.script:1: there is no key 'any'");
+  EXPECT_EQ(refusal("await-page help 5"),
+            "exam.script:1: the pages are live, review, exams and set-up, not 'help'");
+  EXPECT_EQ(refusal("await-page exams"), "exam.script:1: await-page is written as in: await-page exams 60");
   EXPECT_EQ(refusal("tap rail/live\nrender thin.png"),
             "exam.script:2: render and manifold work without the screen; take a shot instead");
   EXPECT_EQ(refusal("watch\ntap rail/live"),
@@ -97,7 +105,8 @@ TEST(Script, RefusalsOfFingersNameFileLineAndCure) {
 TEST(Script, RefusalsNameFileLineAndCure) {
   EXPECT_EQ(refusal("\nstep on it\n"),
             "exam.script:2: there is no action 'step'; there are wait, press, release, await, watch, render "
-            "and manifold, and with the screen tap, double-tap, hold, drag, pinch, twist, key and shot");
+            "and manifold, and with the screen tap, double-tap, hold, drag, pinch, twist, key, shot, where "
+            "and await-page");
   EXPECT_EQ(refusal("wait soon"), "exam.script:1: seconds must be a number from 0 to 3600, not 'soon'");
   EXPECT_EQ(refusal("await done 3"),
             "exam.script:1: the states are idle, live, recording and review, not 'done'");
