@@ -20,10 +20,9 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   ${CMAKE_SOURCE_DIR}/board/debian/postinst ${CMAKE_SOURCE_DIR}/board/debian/prerm ${CMAKE_SOURCE_DIR}/board/debian/postrm)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, systemd-timesyncd, fonts-inter, fonts-font-awesome, fxload")
 if(CMAKE_CROSSCOMPILING)
-  # dpkg-shlibdeps would have to know the target's packages: tools/package fills the libraries in.
+  # cpack's dpkg-shlibdeps looks among this machine's packages: tools/package asks it of the sysroot's.
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
-  set(CPACK_STRIP_FILES OFF)
 else()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 endif()

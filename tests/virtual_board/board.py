@@ -133,6 +133,7 @@ class Board:
                  '-device', 'virtio-gpu-pci', '-device', 'qemu-xhci,id=xhci,p2=8,p3=4',
                  '-qmp', f'unix:{p("qmp.sock")},server=on,wait=off',
                  '-qtest', f'unix:{p("qtest.sock")},server=on,wait=off', '-qtest-log', '/dev/null']
+        words += ['-blockdev', f'driver=file,node-name=stick,filename={p("stick.fat")}']  # plugged in by `plug_stick`
         for name in ('liberty', 'viper', 'stranger', 'video'):
             words += ['-chardev', f'socket,id={name},path={p(name + ".sock")},reconnect=1',
                       '-device', f'usb-redir,chardev={name},bus=xhci.0']
@@ -178,6 +179,17 @@ class Board:
 
     def release(self):
         self.monitor.line(0, False)
+
+    def plug_stick(self):
+        answer = self.monitor.say('device_add', driver='usb-storage', drive='stick', id='stick', bus='xhci.0', removable=True)
+        require('return' in answer, f'the stick cannot be plugged in: {answer}')
+        device = lambda: self.run('ls -d /dev/sd[a-z]')[1].strip()
+        return wait_for(lambda: device() if device().startswith('/dev/') else None, 'the kernel to see the stick',
+                        ended=self.dead)
+
+    def pull_stick(self):
+        self.monitor.say('device_del', id='stick')
+        wait_for(lambda: self.run('ls -d /dev/sd[a-z]')[0] != 0, 'the kernel to see the stick go', ended=self.dead)
 
     def off(self):
         self.begin('sync; poweroff -f')

@@ -33,6 +33,8 @@ class Bench:
         self.cart_name = None
         self.carts = 0
         self.held = True  # the first boot finds a foot on the pedal
+        self.touch = None  # the job that is the touchscreen
+        self.exams = None  # folder on the board with an exam that nobody writes to any more
         self.left = {}    # sweeps that the tests still to come want of a cart
 
     def board(self):
@@ -65,6 +67,14 @@ class Bench:
         wait_for(lambda: self.board().run('cat /sys/bus/usb/devices/*/idProduct')[1].split().count(product) == 1 and
                  sum(p in ('ff20', 'bf01', 'cf01') for p in self.board().run('cat /sys/bus/usb/devices/*/idProduct')[1].split()) == 1,
                  f'the kernel to see {name} alone', ended=self.board().dead)
+
+
+def touchscreen_on(board):
+    """One that works as long as the board is on, by lines that are added to a file. Gives the job of its program."""
+    open(os.path.join(board.share, 'fingers'), 'w').close()
+    job = board.begin('tail -n +1 -f /share/fingers | /share/bin/virtual-touch')
+    wait_for(lambda: 'Virtual touchscreen' in board.run('cat /proc/bus/input/devices')[1], 'the touchscreen', ended=board.dead)
+    return job
 
 
 def check(board):
@@ -236,13 +246,41 @@ def touchscreen(bench):
     board = bench.board()
     board.release()
     bench.tracker('liberty')
-    board.begin('(sleep 1000; echo quit) | /share/bin/virtual-touch')
-    wait_for(lambda: 'Virtual touchscreen' in board.run('cat /proc/bus/input/devices')[1], 'the touchscreen', ended=board.dead)
+    bench.touch = touchscreen_on(board)
     code, log = check(board)
     for device in ('tracker', 'video', 'pedal', 'touch', 'display', 'clock'):
         require(f'found    {device}' in log, f'{device} is not found: {log}')
     require(code == 0, f'--check ended with {code}: {log}')
     return next(line for line in log.split('\n') if 'touch' in line)[18:]
+
+
+@test('a finger on the touchscreen turns the page of the running cart')
+def finger(bench):
+    """The cart's own screen, in memory, with the kernel's touchscreen: by the finger alone it gets from Live to Exams."""
+    board = bench.board()
+    board.release()
+    bench.tracker('liberty')
+    if bench.touch is None:
+        bench.touch = touchscreen_on(board)
+    with open(os.path.join(board.share, 'finger.script'), 'w') as f:
+        f.write('await live 300\nwhere rail/exams\nawait-page exams 600\nshot exams.png\n')
+    job = board.begin('exec sonoband --board virtual --headless --size 640x480 --script /share/finger.script --out /share/out/finger --exams /tmp/finger')
+
+    def said(key):
+        lines = [json.loads(line) for line in board.log(job).split('\n')[:-1] if line.startswith('{')]
+        return next((line for line in lines if key in line), None)
+    ended = lambda: board.dead() or (f'the cart ended: {board.log(job)[-300:]}' if board.code(job) else None)
+    at = wait_for(lambda: said('widget'), 'the cart to say where to touch', ended=ended)
+    x, y = round(at['x'] * 1279), round(at['y'] * 799)
+    for line in (f'down {x} {y}', 'up'):
+        with open(os.path.join(board.share, 'fingers'), 'a') as f:
+            f.write(line + '\n')
+        wait_for(lambda: line in board.log(bench.touch).split('\n'), f'the touchscreen to do {line!r}', ended=ended)
+    wait_for(lambda: said('page'), 'the page to turn', ended=ended)
+    code, log = board.end(job)
+    require(code == 0, f'the cart ended with {code}: {log[-300:]}')
+    require(Image.open(os.path.join(board.share, 'out/finger/exams.png')).size == (640, 480), 'the screen has another size')
+    return f'touched at {x}, {y} of 1280 x 800; the page is {said("page")["page"]}'
 
 
 @test('a wrong USB device is named')
@@ -270,6 +308,7 @@ def power_cut(bench):
     bench.tracker('viper')
     cart = bench.cart('viper')
     name = bench.cart_name
+    bench.touch = None
     cart.ready()
     bench.board().press()
     cart.wait(lambda s: s['state'] == 'recording', 'a press to record')
@@ -288,6 +327,7 @@ def power_cut(bench):
     tool('verify', exam['path'])
     require(exam['frames'] >= said['saved'], f"{exam['frames']} frames are there, {said['saved']} were acknowledged")
     require(exam['closed'] and exam['sweeps'] == ended + 1, f'not whole: {exam}')
+    bench.exams = f'/data/{name}/exams'
     return f"{said['saved']} frames acknowledged, {exam['frames']} there; {told[-1][10:]}"
 
 
@@ -296,6 +336,41 @@ def again(bench):
     s = bench.cart('again').sweep()
     require(s['frames_with_pose'] >= FRAMES // 2 and not losses(s), f'{s}')
     return f"{s['frames']} frames, {s['frames_with_pose']} with a pose"
+
+
+@test('an exam goes onto a stick, is read back here, and the stick can be pulled')
+def stick(bench):
+    """FAT on a USB disk that is plugged in while the board is on."""
+    board = bench.board()
+    if bench.exams is None:
+        bench.tracker('viper')
+        again(bench)
+        bench.exams = bench.cart('again').folder + '/exams'
+        cart, bench.cart_ = bench.cart_, None
+        cart.end()
+    device = board.plug_stick()
+    place = '/run/media/sonoband/sda'
+    code, log = board.run(f'mkdir -p {place} && mount -t vfat {device} {place} && sonoband-tool places --json')
+    require(code == 0, f'the stick cannot be mounted: {log}')
+    places = json.loads(log)['places']
+    require([p['path'] for p in places] == [place], f'the places are {places}')
+    code, log = board.run(f'exam=$(ls {bench.exams}/*.exam) && cp $exam /share/out/ && sonoband-tool export $exam --to {place}/taken --format mha --sweep 1 --eject')
+    require(code == 0, f'export ended with {code}: {log[-400:]}')
+    require(board.run(f'grep -c " {place} " /proc/self/mountinfo')[1].strip() == '0', 'the stick is still mounted')
+    board.pull_stick()
+    taken, here = (os.path.join(work, name) for name in ('taken', 'stick-here'))
+    done = subprocess.run(['mcopy', '-s', '-i', os.path.join(work, 'stick.fat'), '::/taken', work], capture_output=True, text=True)
+    require(done.returncode == 0, f'the stick cannot be read here: {done.stderr}')
+    exam = next(f for f in os.listdir(os.path.join(board.share, 'out')) if f.endswith('.exam'))
+    tool('export', os.path.join(board.share, 'out', exam), '--to', here, '--format', 'mha', '--sweep', '1')
+    names = sorted(os.listdir(here))
+    require(names and sorted(os.listdir(taken)) == names, f'{sorted(os.listdir(taken))} on the stick, {names} here')
+    size = 0
+    for name in names:
+        a, b = (open(os.path.join(folder, name), 'rb').read() for folder in (taken, here))
+        require(a == b, f'{name} is another file on the stick than here')
+        size += len(a)
+    return f'{len(names)} files, {size / 1e6:.1f} MB, the same bytes as written here; label {places[0]["label"]}'
 
 
 @test('the board switches itself off')
@@ -348,6 +423,10 @@ def main():
     with open(disk, 'wb') as f:
         f.truncate(2 << 30)  # more than exams.reserve-mb, or no sweep starts
     subprocess.run(['mke2fs', '-q', '-t', 'ext4', '-F', disk], check=True)
+    stick_disk = os.path.join(work, 'stick.fat')
+    with open(stick_disk, 'wb') as f:
+        f.truncate(64 << 20)
+    subprocess.run(['mkfs.vfat', '-n', 'ULTRASOUND', stick_disk], check=True, stdout=subprocess.DEVNULL)
     bench = Bench()
     chosen = [t for t in tests if not words or any(word in t[0] for word in words)]
     results = []
