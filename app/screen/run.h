@@ -58,8 +58,9 @@ using Foot = std::function<bool(bool down)>;
 void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch = nullptr,
                 CuePlayer* cues = nullptr);
 
-// In memory, until the script is over. `touch` as above; null: only the script's fingers. The calling thread is a member of the cart's clock. The same script
-// gives the same pictures on a simulated clock. Throws script::ScriptFailed, and as above.
+// In memory, until the script is over. `touch` as above; null: only the script's fingers. The calling thread
+// is a member of the cart's clock. The same script gives the same pictures on a simulated clock. Throws
+// script::ScriptFailed, and as above.
 void run_headless(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
                   const std::vector<script::Step>& steps, const std::string& script_name,
                   Touch* touch = nullptr);

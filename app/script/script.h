@@ -28,9 +28,9 @@
 //   key right                                  left right up down home end page-up page-down escape enter
 //                                              backspace f1 f11, or one character
 //   shot review.png                            a picture of the screen, in the --shots folder
-//   where rail/exams                           says in a line of JSON where on the screen a finger would reach it:
-//                                              {"widget":"rail/exams","x":0.03,"y":0.4}, parts of the screen
-//   await-page exams 60                        until that page is shown, at most so many seconds; then says so:
+//   where rail/exams                           says in a line of JSON where a finger would reach it, in parts
+//                                              of the screen: {"widget":"rail/exams","x":0.03,"y":0.4}
+//   await-page exams 60                        until that page is shown, at most so many seconds; then says
 //                                              {"page":"exams"}. For a hand on the board's own touchscreen
 // One such line, and the whole script runs with the screen, in memory; watch, render and manifold, which work
 // without it, are then refused.

@@ -66,7 +66,7 @@ class VideoSource final : public FrameSource {
   std::optional<std::uint32_t> last_sequence_;
   std::int64_t last_device_ns_ = 0;  // stamp of that frame
   bool counts_ = false;              // this grabber's count has been seen to move since the start
-  std::uint64_t sequence_ = 0;  // of ours: goes on over restarts
+  std::uint64_t sequence_ = 0;       // of ours: goes on over restarts
   std::optional<Stamp> last_stamp_;
 
   SharedHealth health_;
