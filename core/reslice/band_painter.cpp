@@ -46,8 +46,12 @@ void BandPainter::blank(const LatticeBlock& block) {
   for (int l = block.l; l < block.l + block.depth; ++l) {
     for (int y = block.b; y < block.b + block.height; ++y) {
       std::fill_n(layers_->values_row(l, y) + block.a, block.width, missing);
-      std::fill_n(layers_->has_data_row(l, y) + block.a, block.width, std::uint8_t{0});
     }
+  }
+  const auto others = static_cast<std::uint8_t>(~LayerBlock::bits(block.l, block.depth));
+  for (int y = block.b; y < block.b + block.height; ++y) {
+    std::uint8_t* has = layers_->has_data.view().row(y) + block.a;
+    for (int x = 0; x < block.width; ++x) has[x] &= others;
   }
 }
 

@@ -1,6 +1,9 @@
 // Layers of a band kept apart for later bands.
 #pragma once
 
+#include <cassert>
+#include <cstdint>
+
 #include "core/image/image.h"
 
 namespace sonoband {
@@ -8,17 +11,24 @@ namespace sonoband {
 // Row y of all layers lies together: pictures of their own would begin at multiples of a cache's pages, and
 // what is painted at the same place of several layers would evict itself.
 struct LayerBlock {
-  LayerBlock(int columns, int rows, int layers)
-      : width(columns), values(columns * layers, rows), has_data(columns * layers, rows) {}
+  static constexpr int most_layers = 8;
+
+  LayerBlock(int columns, int rows, int layer_count)
+      : width(columns), layers(layer_count), values(columns * layer_count, rows), has_data(columns, rows) {
+    assert(layer_count <= most_layers);
+  }
 
   std::uint8_t* values_row(int layer, int y) { return values.view().row(y) + layer * width; }
-  std::uint8_t* has_data_row(int layer, int y) { return has_data.view().row(y) + layer * width; }
   const std::uint8_t* values_row(int layer, int y) const { return values.view().row(y) + layer * width; }
-  const std::uint8_t* has_data_row(int layer, int y) const { return has_data.view().row(y) + layer * width; }
 
-  int width = 0;
+  // The bits of has_data of so many layers from `first` on.
+  static std::uint8_t bits(int first, int count) {
+    return static_cast<std::uint8_t>(((1U << count) - 1) << first);
+  }
+
+  int width = 0, layers = 0;
   Pixels values;    // where there is no data: 0, or 255 where minima are asked for
-  Pixels has_data;  // 255 or 0
+  Pixels has_data;  // of a pixel; bit l: of layer l
 };
 
 }  // namespace sonoband

@@ -1,6 +1,7 @@
 #include "core/reslice/layer_kernels.h"
 
 #include <algorithm>
+#include <bit>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/reslice/layer_kernels.cpp"
@@ -36,31 +37,36 @@ HWY_ATTR void fold(const std::uint8_t* const* rows, int count, bool minimum, int
   }
 }
 
-HWY_ATTR void count(const LayerRow& layer, bool add, int width, std::uint16_t* counts, std::uint32_t* sums) {
+HWY_ATTR void count(const std::uint8_t* has_data, std::uint8_t layers, bool add, int width,
+                    std::uint16_t* counts) {
   const Words d;
   const hn::Rebind<std::uint8_t, Words> bytes;
   const int step = static_cast<int>(hn::Lanes(d));
-  const auto one = hn::Set(d, 1);
+  const auto wanted = hn::Set(bytes, layers);
   int x = 0;
   for (; x + step <= width; x += step) {
-    const auto has = hn::And(hn::PromoteTo(d, hn::LoadU(bytes, layer.has_data + x)), one);
+    const auto has = hn::PromoteTo(d, hn::PopulationCount(hn::And(hn::LoadU(bytes, has_data + x), wanted)));
     const auto old = hn::LoadU(d, counts + x);
     hn::StoreU(add ? hn::Add(old, has) : hn::Sub(old, has), d, counts + x);
   }
   const int sign = add ? 1 : -1;
-  for (; x < width; ++x) counts[x] = static_cast<std::uint16_t>(counts[x] + sign * (layer.has_data[x] & 1));
-  if (sums == nullptr) return;
-  const hn::ScalableTag<std::uint32_t> d32;
-  const hn::Rebind<std::uint8_t, decltype(d32)> quarter;
-  const int few = static_cast<int>(hn::Lanes(d32));
-  for (x = 0; x + few <= width; x += few) {
-    const auto kept = hn::And(hn::LoadU(quarter, layer.values + x), hn::LoadU(quarter, layer.has_data + x));
-    const auto v = hn::PromoteTo(d32, kept), old = hn::LoadU(d32, sums + x);
-    hn::StoreU(add ? hn::Add(old, v) : hn::Sub(old, v), d32, sums + x);
+  for (; x < width; ++x) {
+    const int has = std::popcount(static_cast<std::uint8_t>(has_data[x] & layers));
+    counts[x] = static_cast<std::uint16_t>(counts[x] + sign * has);
   }
-  for (; x < width; ++x)
-    sums[x] =
-        static_cast<std::uint32_t>(static_cast<int>(sums[x]) + sign * (layer.values[x] & layer.has_data[x]));
+}
+
+HWY_ATTR void sum(const std::uint8_t* values, bool add, int width, std::uint32_t* sums) {
+  const hn::ScalableTag<std::uint32_t> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const int step = static_cast<int>(hn::Lanes(d));
+  int x = 0;
+  for (; x + step <= width; x += step) {
+    const auto v = hn::PromoteTo(d, hn::LoadU(bytes, values + x)), old = hn::LoadU(d, sums + x);
+    hn::StoreU(add ? hn::Add(old, v) : hn::Sub(old, v), d, sums + x);
+  }
+  const int sign = add ? 1 : -1;
+  for (; x < width; ++x) sums[x] = static_cast<std::uint32_t>(static_cast<int>(sums[x]) + sign * values[x]);
 }
 
 HWY_ATTR void blank(const std::uint16_t* counts, int width, std::uint8_t* values) {
@@ -100,7 +106,7 @@ HWY_ATTR void mean(const std::uint32_t* sums, const std::uint16_t* counts, int w
 }
 
 HWY_ATTR const LayerKernels& layer_kernels_of_target() {
-  static constexpr LayerKernels kernels{fold, count, blank, mean};
+  static constexpr LayerKernels kernels{fold, count, sum, blank, mean};
   return kernels;
 }
 

@@ -5,19 +5,17 @@
 
 namespace sonoband {
 
-// A row of one layer: 255 where it has data, else 0; `values` there mean nothing.
-struct LayerRow {
-  const std::uint8_t* values = nullptr;
-  const std::uint8_t* has_data = nullptr;
-};
-
 struct LayerKernels {
   // out[x] = the greatest, or least, of rows[0][x] .. rows[count - 1][x]; count > 0. `out` may be one of
   // them.
   void (*fold)(const std::uint8_t* const* rows, int count, bool minimum, int width, std::uint8_t* out);
 
-  // Adds a layer to, or takes it from, how many have data and, if `sums` is given, the sum of their values.
-  void (*count)(const LayerRow& layer, bool add, int width, std::uint16_t* counts, std::uint32_t* sums);
+  // Adds to, or takes from, how many layers have data: those of a block's row whose bits are in `layers`.
+  void (*count)(const std::uint8_t* has_data, std::uint8_t layers, bool add, int width,
+                std::uint16_t* counts);
+
+  // Adds a layer's row to, or takes it from, sums; values without data are 0.
+  void (*sum)(const std::uint8_t* values, bool add, int width, std::uint32_t* sums);
 
   // Zero where counts[x] is 0.
   void (*blank)(const std::uint16_t* counts, int width, std::uint8_t* values);

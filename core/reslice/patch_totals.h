@@ -67,25 +67,26 @@ class PatchTotals {
 
   // Of a single layer.
   void store(LayerBlock& block, int layer, int x, int y, LaneShape shape) {
-    std::array<std::uint8_t, patch_lanes> has;
-    for (int k = 0; k < patch_lanes; ++k) has[k] = static_cast<std::uint8_t>(-piece_.count[k]);
-    put_layer(piece_.extreme, has, block, layer, {x, y, block.width, block.values.height(), shape});
+    LaneBytes has;
+    for (int k = 0; k < patch_lanes; ++k) has[k] = static_cast<std::uint8_t>(piece_.count[k] << layer);
+    const LanesAt at{x, y, block.width, block.values.height(), shape};
+    put_lanes(piece_.extreme.data(), at, [&](int row) { return block.values_row(layer, row); });
+    put_marks(has, LayerBlock::bits(layer, 1), block, at);
   }
   // Layers 0 .. depth - 1 of a patch as layers `first` and on.
   static void store(const PatchLayers& layers, int depth, LayerBlock& block, int first, int x, int y,
                     LaneShape shape) {
-    std::array<std::uint8_t, patch_lanes> has;
-    for (int l = 0; l < depth; ++l) {
-      const LaneMask lanes = layers.has_data[l];
-      // Eight bits to eight bytes of 0 or 255: bit i to the top of byte i.
-      for (int i = 0; i < 8; ++i) {
-        const std::uint64_t bits = (lanes >> (8 * i) & 0xff) * 0x0101010101010101ULL & 0x8040201008040201ULL;
-        const std::uint64_t ones = (bits + 0x7f7f7f7f7f7f7f7fULL) & 0x8080808080808080ULL;
-        const std::uint64_t bytes = (ones >> 7) * 0xff;
-        std::memcpy(has.data() + 8 * i, &bytes, 8);
-      }
-      put_layer(layers.values[l], has, block, first + l, {x, y, block.width, block.values.height(), shape});
+    const LanesAt at{x, y, block.width, block.values.height(), shape};
+    for (int l = 0; l < depth; ++l)
+      put_lanes(layers.values[l].data(), at, [&](int row) { return block.values_row(first + l, row); });
+    LaneBytes has;
+    for (int i = 0; i < patch_lanes / 8; ++i) {
+      std::uint64_t bits = 0;  // byte l: lanes 8 i and on of layer l
+      for (int l = 0; l < depth; ++l) bits |= (layers.has_data[l] >> (8 * i) & 0xff) << (8 * (first + l));
+      const std::uint64_t lanes = transposed(bits);
+      std::memcpy(has.data() + 8 * i, &lanes, 8);
     }
+    put_marks(has, LayerBlock::bits(first, depth), block, at);
   }
 
  private:
@@ -95,10 +96,31 @@ class PatchTotals {
     int x, y, picture_width, picture_height;
     LaneShape shape;
   };
-  static void put_layer(const LaneBytes& values, const LaneBytes& has, LayerBlock& block, int layer,
-                        const LanesAt& at) {
-    put_lanes(values.data(), at, [&](int row) { return block.values_row(layer, row); });
-    put_lanes(has.data(), at, [&](int row) { return block.has_data_row(layer, row); });
+  // Eight bytes of eight bits: bit j of byte i becomes bit i of byte j (Warren, Hacker's Delight, 7-3).
+  static std::uint64_t transposed(std::uint64_t bits) {
+    const auto swap = [&](int by, std::uint64_t which) {
+      const std::uint64_t unequal = (bits ^ (bits >> by)) & which;
+      bits ^= unequal ^ (unequal << by);
+    };
+    swap(7, 0x00aa00aa00aa00aaULL);
+    swap(14, 0x0000cccc0000ccccULL);
+    swap(28, 0x00000000f0f0f0f0ULL);
+    return bits;
+  }
+  // `has` of the layers whose bits are in `which`; the others' stay.
+  static void put_marks(LaneBytes& has, std::uint8_t which, LayerBlock& block, const LanesAt& at) {
+    const auto row_at = [&](int row) { return block.has_data.view().row(row); };
+    if (which != LayerBlock::bits(0, block.layers)) {
+      const int width = std::min(at.shape.across, at.picture_width - at.x);
+      const int height = std::min(at.shape.down(), at.picture_height - at.y);
+      for (int row = 0; row < height; ++row) {
+        for (int i = 0; i < width; ++i) {
+          std::uint8_t& h = has[row * at.shape.across + i];
+          h = static_cast<std::uint8_t>(h | (row_at(at.y + row)[at.x + i] & ~which));
+        }
+      }
+    }
+    put_lanes(has.data(), at, row_at);
   }
   template <class T, class Row>
   static void put_lanes(const T* lanes, const LanesAt& at, Row row_at) {

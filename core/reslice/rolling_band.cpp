@@ -71,7 +71,7 @@ void RollingBand::forget() {
 
 std::size_t RollingBand::bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane_.width, 0)) * std::max(plane_.height, 0);
-  return pixels * (2 * block_layers * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
+  return pixels * ((block_layers + 1) * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
                    spare_runs_.size() + (blocks_.empty() ? 0 : 6));
 }
 
@@ -189,7 +189,9 @@ std::optional<int> RollingBand::layers_missing(const PreparedSweep& sweep, const
 std::size_t RollingBand::most_bytes(const ReslicePlane& plane, const RenderSettings& settings) {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane.width, 0)) * std::max(plane.height, 0);
   const auto layers = static_cast<std::size_t>(settings.band.layers());
-  return pixels * (3 * (layers + layers / 2 + 32) + 6 + 32 + 2 * block_layers);
+  const std::size_t most_layers = layers + layers / 2 + 32;
+  return pixels *
+         (2 * most_layers + most_layers / block_layers + 6 + 2 * (block_layers + 1) + 2 * block_layers);
 }
 
 // Extremes of the other kind: other values where there is no data.
@@ -199,10 +201,11 @@ void RollingBand::fill_gaps(std::uint8_t missing, Parallel& parallel) {
   runs_.clear();
   parallel.for_each(plane_.height, [&](int y) {
     for (auto& [index, block] : blocks_) {
-      std::uint8_t* values = block.layers.values.view().row(y);
       const std::uint8_t* has = block.layers.has_data.view().row(y);
-      for (int x = 0; x < plane_.width * block_layers; ++x)
-        values[x] = static_cast<std::uint8_t>((values[x] & has[x]) | (missing & ~has[x]));
+      for (int l = 0; l < block_layers; ++l) {
+        std::uint8_t* values = block.layers.values_row(l, y);
+        for (int x = 0; x < plane_.width; ++x) values[x] = (has[x] >> l & 1) != 0 ? values[x] : missing;
+      }
     }
   });
 }
@@ -330,17 +333,28 @@ ConstPixels RollingBand::pixels_of(const Run& run) const {
   return {l.block->values_row(l.index, 0), plane_.width, plane_.height, l.block->values.width()};
 }
 
+// By block, so that all of its layers are counted in one go.
+std::vector<RollingBand::Marks> RollingBand::marks_of(const std::vector<int>& layers) const {
+  std::vector<Marks> marks;
+  for (const int i : layers) {
+    const Layer l = layer(i);
+    if (marks.empty() || marks.back().block != l.block) marks.push_back({l.block, 0});
+    marks.back().layers = static_cast<std::uint8_t>(marks.back().layers | LayerBlock::bits(l.index, 1));
+  }
+  return marks;
+}
+
 BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   const int width = plane_.width, height = plane_.height;
   const Compounding how = settings_.compounding;
   const bool mean = how == Compounding::mean, minimum = how == Compounding::minimum;
 
   // Layers that come and go since the last picture, or all of them where that is less.
-  std::vector<Layer> come, gone;
+  std::vector<int> come, gone;
   for (int i = counted_.first; i <= counted_.last; ++i)
-    if (!band.holds(i)) gone.push_back(layer(i));
+    if (!band.holds(i)) gone.push_back(i);
   for (int i = band.first; i <= band.last; ++i)
-    if (!counted_.holds(i)) come.push_back(layer(i));
+    if (!counted_.holds(i)) come.push_back(i);
   const auto layers = static_cast<std::size_t>(band.last - band.first) + 1;
   const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
   if (anew) {
@@ -348,7 +362,7 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
     sums_ = mean ? ImageBuffer<std::uint32_t>(width, height) : ImageBuffer<std::uint32_t>();
     gone.clear();
     come.clear();
-    for (int i = band.first; i <= band.last; ++i) come.push_back(layer(i));
+    for (int i = band.first; i <= band.last; ++i) come.push_back(i);
     summed_ = mean;
   }
   counted_ = band;
@@ -370,6 +384,13 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   std::vector<ConstPixels> parts;
   for (const Run& run : runs) parts.push_back(pixels_of(run));
 
+  const std::vector<Marks> marks_come = marks_of(come), marks_gone = marks_of(gone);
+  std::vector<ConstPixels> values_come, values_gone;
+  if (mean) {
+    for (const int i : come) values_come.push_back(pixels_of({0, i}));
+    for (const int i : gone) values_gone.push_back(pixels_of({0, i}));
+  }
+
   BandImage image{Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), PixelKind::grey};
   const LayerKernels& kernels = layer_kernels();
   parallel.for_each((height + strip_rows - 1) / strip_rows, [&](int strip) {
@@ -381,12 +402,13 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
       }
       std::uint16_t* counts = counts_.view().row(y);
       std::uint32_t* sums = mean ? sums_.view().row(y) : nullptr;
-      const auto count = [&](const Layer& l, bool add) {
-        kernels.count({l.block->values_row(l.index, y), l.block->has_data_row(l.index, y)}, add, width,
-                      counts, sums);
+      const auto count = [&](const Marks& m, bool add) {
+        kernels.count(m.block->has_data.view().row(y), m.layers, add, width, counts);
       };
-      for (const Layer& l : come) count(l, true);
-      for (const Layer& l : gone) count(l, false);
+      for (const Marks& m : marks_come) count(m, true);
+      for (const Marks& m : marks_gone) count(m, false);
+      for (const ConstPixels& v : values_come) kernels.sum(v.row(y), true, width, sums);
+      for (const ConstPixels& v : values_gone) kernels.sum(v.row(y), false, width, sums);
       std::uint8_t* pixels = image.pixels.view().row(y);
       if (mean) {
         kernels.mean(sums, counts, width, pixels);

@@ -26,8 +26,8 @@ namespace sonoband {
 // render_planar's. The first picture of a plane, and one whose compounding alone differs, is render_planar's
 // itself: layers are painted when the band first moves, in the time of four to six such pictures.
 //
-// Memory: up to 3 bytes per pixel and layer kept, of at most 1.5 N + 32 layers, and 6 + 32 per pixel: 14 mm
-// of 640x480 hold 140 MB at most, 75 MB at first.
+// Memory: up to 2 1/8 bytes per pixel and layer kept, of at most 1.5 N + 32 layers, and 40 per pixel: 14 mm
+// of 640x480 hold 102 MB at most, 52 MB at first.
 class RollingBand {
  public:
   // Means of Doppler pictures are rendered whole: their sums are not kept.
@@ -64,6 +64,11 @@ class RollingBand {
     const LayerBlock* block = nullptr;
     int index = 0;  // in the block
   };
+  // Some layers of a block, by their bits.
+  struct Marks {
+    const LayerBlock* block = nullptr;
+    std::uint8_t layers = 0;
+  };
   // A strip of a block to be painted.
   struct Portion {
     int block = 0, strip = 0;
@@ -99,6 +104,7 @@ class RollingBand {
   Layer layer(int index) const;
   std::vector<Run> runs_of(const Window& band) const;
   void need(const Run& run, std::vector<Run>& to_build);
+  std::vector<Marks> marks_of(const std::vector<int>& layers) const;
   ConstPixels pixels_of(const Run& run) const;
   BandImage compound(const Window& band, Parallel& parallel);
 

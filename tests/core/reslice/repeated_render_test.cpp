@@ -141,7 +141,7 @@ TEST(RollingBand, AnyRunOfDragsAndThicknessesGivesTheBitsOfItsLayers) {
           << "seed " << seed << ", step " << i;
       const int layers = scene.settings.band.layers();
       const std::size_t pixels = static_cast<std::size_t>(plane.width) * plane.height;
-      EXPECT_LE(rolling.bytes(), pixels * (3 * (layers + layers / 2 + 32) + 6 + 2 * 2 * 8 + 2 * 8));
+      EXPECT_LE(rolling.bytes(), pixels * (17 * (layers + layers / 2 + 32) / 8 + 6 + 2 * 9 + 2 * 8));
     }
   }
 }
