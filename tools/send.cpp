@@ -96,7 +96,7 @@ void add_send(CLI::App& tool) {
   verb->add_option(
       "--commit-port", options->commit_port,
       "Port on which the archive brings its word later, as its configuration says (default: it is heard "
-      "only on our own association)");
+      "only on our own association). With --tls-certificate it is heard there through TLS");
   verb->add_option("--commit-wait", options->commit_wait_s, "Seconds to wait for the archive's word")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();

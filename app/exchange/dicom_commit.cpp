@@ -4,6 +4,7 @@
 #include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/dcmnet/scp.h>
 #include <dcmtk/dcmnet/scu.h>
+#include <dcmtk/dcmtls/tlslayer.h>
 #include <dcmtk/dcmtls/tlsscu.h>
 #include <fmt/format.h>
 
@@ -123,7 +124,30 @@ CommitmentAsked ask_commitment(const std::vector<DicomReference>& objects, const
   return {Asked::asked, {}};
 }
 
+namespace {
+
+// The part of the one who is called.
+std::unique_ptr<DcmTLSTransportLayer> answering_layer(const DicomTls& tls) {
+  check_files(tls);
+  const auto sound = [](const OFCondition& done, const std::filesystem::path& file) {
+    if (done.bad()) throw BadInput(fmt::format("{}: TLS cannot use it ({})", file.string(), done.text()));
+  };
+  auto layer = std::make_unique<DcmTLSTransportLayer>(NET_ACCEPTOR, nullptr, OFTrue);
+  sound(layer->setTLSProfile(TSP_Profile_BCP195), tls.certificate);
+  sound(layer->activateCipherSuites(), tls.certificate);
+  sound(layer->setPrivateKeyFile(tls.key.c_str(), DCF_Filetype_PEM), tls.key);
+  sound(layer->setCertificateFile(tls.certificate.c_str(), DCF_Filetype_PEM), tls.certificate);
+  if (!layer->checkPrivateKeyMatchesCertificate())
+    throw BadInput(tls.key.string() + ": this is not the key of " + tls.certificate.string());
+  sound(layer->addTrustedCertificateFile(tls.trusted.c_str(), DCF_Filetype_PEM), tls.trusted);
+  layer->setCertificateVerification(DCV_requireCertificate);
+  return layer;
+}
+
+}  // namespace
+
 struct CommitmentListener::Scp final : DcmSCP {
+  std::unique_ptr<DcmTLSTransportLayer> layer;  // null: without TLS
   TakeAnswer take;
   const std::function<bool()>* enough = nullptr;
 
@@ -145,10 +169,15 @@ struct CommitmentListener::Scp final : DcmSCP {
   OFBool stopAfterConnectionTimeout() override { return enough != nullptr && (*enough)(); }
 };
 
-CommitmentListener::CommitmentListener(std::uint16_t port, const std::string& our_title, TakeAnswer take)
+CommitmentListener::CommitmentListener(std::uint16_t port, const std::string& our_title, TakeAnswer take,
+                                       const std::optional<DicomTls>& tls)
     : scp_(std::make_unique<Scp>()) {
   OFLog::configure(OFLogger::OFF_LOG_LEVEL);
   scp_->take = std::move(take);
+  if (tls) {
+    scp_->layer = answering_layer(*tls);
+    scp_->getConfig().setTransportLayer(scp_->layer.get());
+  }
   scp_->setPort(port);
   scp_->setAETitle(our_title.c_str());
   scp_->setConnectionBlockingMode(DUL_NOBLOCK);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,11 +43,14 @@ CommitmentAsked ask_commitment(const std::vector<DicomReference>& objects, const
                                const std::string& transaction, int stay_s, const TakeAnswer& take);
 
 // Where archives bring their answers on associations of their own. They know our title, host and port from
-// their configuration. Without TLS.
+// their configuration.
 class CommitmentListener {
  public:
-  // Listens from now on, so that no answer is too quick. Throws BadInput where the port cannot be had.
-  CommitmentListener(std::uint16_t port, const std::string& our_title, TakeAnswer take);
+  // Listens from now on, so that no answer is too quick. With `tls`, which then needs a certificate and key
+  // of ours, only archives that show a trusted certificate are heard. Throws BadInput where the port cannot
+  // be had or a file of `tls` is not what it should be.
+  CommitmentListener(std::uint16_t port, const std::string& our_title, TakeAnswer take,
+                     const std::optional<DicomTls>& tls = {});
   ~CommitmentListener();
   CommitmentListener(const CommitmentListener&) = delete;
   CommitmentListener& operator=(const CommitmentListener&) = delete;

@@ -214,7 +214,12 @@ DicomOutbox::Committed DicomOutbox::commit(std::uint16_t port, int wait_s) {
   if (items.empty()) return outcome;
   const TakeAnswer take = [&](const CommitmentAnswer& answer) { return take_answer(answer, outcome); };
   std::optional<CommitmentListener> listener;
-  if (port != 0) listener.emplace(port, items.front().peer.our_title, take);
+  if (port != 0) {
+    // One port speaks TLS or not: as we do to the first, if we have a certificate to show.
+    std::optional<DicomTls> tls = items.front().peer.tls;
+    if (tls && tls->certificate.empty()) tls.reset();
+    listener.emplace(port, items.front().peer.our_title, take, tls);
+  }
   std::size_t asked = 0;
   std::random_device random;
   while (!items.empty()) {

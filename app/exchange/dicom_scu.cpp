@@ -40,10 +40,14 @@ void address(DcmSCU& scu, const DicomPeer& peer) {
   scu.setDIMSEBlockingMode(DIMSE_NONBLOCKING);
 }
 
-void trust(DcmTLSSCU& scu, const DicomTls& tls) {
+void check_files(const DicomTls& tls) {
   for (const auto& file : {tls.trusted, tls.certificate, tls.key})
     if (!file.empty() && !std::filesystem::is_regular_file(file))
       throw BadInput(file.string() + ": there is no such file; TLS needs it in PEM format");
+}
+
+void trust(DcmTLSSCU& scu, const DicomTls& tls) {
+  check_files(tls);
   if (!tls.certificate.empty())
     scu.enableAuthentication(tls.key.c_str(), tls.certificate.c_str(), nullptr, DCF_Filetype_PEM);
   scu.addTrustedCertFile(tls.trusted.c_str());

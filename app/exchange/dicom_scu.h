@@ -17,7 +17,9 @@ std::string trouble_with(const DicomPeer& peer, const char* what, const OFCondit
 
 // Titles, host, port and how long to wait.
 void address(DcmSCU& scu, const DicomPeer& peer);
-// Throws BadInput where a file is not there.
+// Throws BadInput where a file that is named is not there.
+void check_files(const DicomTls& tls);
+// The same.
 void trust(DcmTLSSCU& scu, const DicomTls& tls);
 // The class with both uncompressed little-endian syntaxes.
 void offer(DcmSCU& scu, const std::string& sop_class);

@@ -43,6 +43,7 @@ frames = 600
 pre-roll-s = 0.5
 [exams]
 reserve-mb = 2048
+export-to = "/srv/exports"
 [simulation]
 scene = "vessels"
 sweep = "fan"
@@ -63,6 +64,7 @@ seed = 7
   EXPECT_EQ(p.ring.frames, 600);
   EXPECT_EQ(p.ring.pre_roll_s, 0.5);
   EXPECT_EQ(p.exams.reserve_mb, 2048);
+  EXPECT_EQ(p.exams.export_to, "/srv/exports");
   EXPECT_EQ(p.simulation.scene, "vessels");
   EXPECT_EQ(p.simulation.sweep, "fan");
   EXPECT_EQ(p.simulation.seed, 7);

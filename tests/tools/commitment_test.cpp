@@ -2,9 +2,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <thread>
+
 #include "app/bad_input.h"
 #include "app/exam/exam_writer.h"
 #include "app/exam/sqlite.h"
+#include "app/exchange/dicom_commit.h"
 #include "app/exchange/dicom_outbox.h"
 #include "tests/tools/orthanc.h"
 #include "tests/tools/tool_runner.h"
@@ -57,6 +61,61 @@ TEST_F(Commitment, AnObjectGoesWhenTheArchiveSaysThatItKeepsIt) {
   EXPECT_NE(run.out.find("the archive keeps 1, refuses 0, has not yet answered for 0"), std::string::npos)
       << run.out;
   EXPECT_FALSE(object_waits());
+}
+
+// Its word comes on an association of its own, through TLS from end to end; a stranger's is not heard.
+TEST_F(Commitment, AnAnswerThatComesLaterIsHeardThroughTls) {
+  for (const std::string name : {"archive", "ours", "stranger"})
+    ASSERT_EQ(shell("openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -keyout " +
+                    path(name + ".key") + " -out " + path(name + ".pem"))
+                  .exit_code,
+              0);
+  const std::string port = std::to_string(free_port());
+  const Orthanc orthanc(path("orthanc"), static_cast<std::uint16_t>(std::stoi(port)), true);
+  ASSERT_TRUE(orthanc.up());
+  const ToolRun wrong_key = run_tool(
+      words({file, "--dicom", orthanc.peer(), "--tls", path("archive.pem"), "--tls-certificate",
+             path("ours.pem"), "--tls-key", path("stranger.key"), "--commit", "--commit-port", port}));
+  EXPECT_EQ(wrong_key.exit_code, 1);
+  fs::remove_all(path("outbox"));
+  const ToolRun run =
+      run_tool(words({file, "--dicom", orthanc.peer(), "--tls", path("archive.pem"), "--tls-certificate",
+                      path("ours.pem"), "--tls-key", path("ours.key"), "--commit", "--commit-port", port}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("the archive keeps 1, refuses 0, has not yet answered for 0"), std::string::npos)
+      << run.out;
+  EXPECT_FALSE(object_waits());
+}
+
+// Whoever has no certificate that we trust is not heard, and does not keep others from it.
+TEST_F(Commitment, AStrangersAnswerIsNotHeard) {
+  for (const std::string name : {"archive", "ours", "stranger"})
+    ASSERT_EQ(shell("openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -keyout " +
+                    path(name + ".key") + " -out " + path(name + ".pem"))
+                  .exit_code,
+              0);
+  const std::uint16_t port = free_port();
+  exchange::CommitmentListener listener(
+      port, "SONOBAND", [](const exchange::CommitmentAnswer&) { return true; },
+      exchange::DicomTls{path("archive.pem"), path("ours.pem"), path("ours.key")});
+  const auto echo = [&](const std::string& as) {
+    return shell("echoscu -aec SONOBAND " + as + " -ic 127.0.0.1 " + std::to_string(port)).exit_code;
+  };
+  int trusted = -1;
+  int stranger = -1;
+  int plain = -1;
+  std::atomic<bool> done{false};
+  std::thread callers([&] {
+    plain = echo("-to 2 -ta 2");
+    stranger = echo("+tls " + path("stranger.key") + " " + path("stranger.pem"));
+    trusted = echo("+tls " + path("archive.key") + " " + path("archive.pem"));
+    done = true;
+  });
+  listener.hear([&] { return done.load(); });
+  callers.join();
+  EXPECT_NE(plain, 0);
+  EXPECT_NE(stranger, 0);
+  EXPECT_EQ(trusted, 0);
 }
 
 // Through a restart, an answer that did not come, and an archive that has lost the object.

@@ -13,7 +13,8 @@ class Orthanc {
  public:
   // `our_port`: where it brings the answers of storage commitment, to the title SONOBAND; 0: it does not know
   // us.
-  explicit Orthanc(const std::filesystem::path& folder, std::uint16_t our_port = 0)
+  // With `tls` it speaks nothing else: FOLDER/../archive.pem and .key are its own, and it trusts ours.pem.
+  explicit Orthanc(const std::filesystem::path& folder, std::uint16_t our_port = 0, bool tls = false)
       : dicom_port_(free_port()) {
     while (http_port_ == 0 || http_port_ == dicom_port_) http_port_ = free_port();
     std::filesystem::create_directory(folder);
@@ -28,6 +29,15 @@ class Orthanc {
                           {"AuthenticationEnabled", false},
                           {"Plugins", nlohmann::json::array()}};
     if (our_port != 0) config["DicomModalities"] = {{"us", {"SONOBAND", "127.0.0.1", our_port}}};
+    if (tls) {
+      const std::filesystem::path keys = folder.parent_path();
+      config["DicomTlsEnabled"] = true;
+      config["DicomTlsCertificate"] = (keys / "archive.pem").string();
+      config["DicomTlsPrivateKey"] = (keys / "archive.key").string();
+      config["DicomTlsTrustedCertificates"] = (keys / "ours.pem").string();
+      config["DicomModalities"] = {
+          {"us", {{"AET", "SONOBAND"}, {"Host", "127.0.0.1"}, {"Port", our_port}, {"UseDicomTls", true}}}};
+    }
     const std::filesystem::path file = folder / "orthanc.json";
     std::ofstream(file) << config.dump();
     server_ = std::make_unique<Server>(std::vector<std::string>{"Orthanc", file.string()}, http_port_,

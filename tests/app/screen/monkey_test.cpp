@@ -3,9 +3,13 @@
 // others.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <initializer_list>
 #include <random>
+#include <thread>
+#include <utility>
 
 #include "tests/app/screen/screen_support.h"
 
@@ -37,7 +41,8 @@ class Monkey {
   Monkey(ScreenCart& cart, std::uint64_t seed) : cart_(cart), random_(seed) {}
 
   void act() {
-    switch (pick(20)) {
+    note_what_is_seen();
+    switch (pick(21)) {
       case 0:
         return press();
       case 1:
@@ -55,6 +60,8 @@ class Monkey {
       case 8:
       case 9:
         return drag();
+      case 10:
+        return visit();
       default:
         return tap();
     }
@@ -63,6 +70,14 @@ class Monkey {
     if (down_) press();
   }
   int presses() const { return presses_; }
+  struct Seen {
+    long exams_pages = 0;
+    long contours = 0;      // pictures with one
+    long exports_done = 0;  // and how they ended
+    long exports_failed = 0;
+    long exports_cancelled = 0;
+  };
+  const Seen& seen() const { return seen_; }
 
  private:
   int pick(int below) { return static_cast<int>(random_() % static_cast<std::uint64_t>(below)); }
@@ -129,6 +144,77 @@ class Monkey {
     frames(1);
     for (int id = 0; id < 12; ++id) contact(ui::Contact::Kind::up, id, {});
   }
+  // Ways that random taps find seldom: a contour, an export.
+  void visit() {
+    switch (pick(4)) {
+      case 0:
+        press_on("rail/review");
+        press_on("tools/contour");
+        return draw_round(pick(2) == 0 ? "review/picture" : "reslice/picture");
+      case 1:
+        press_on("rail/exams");
+        press_on("exams/0");
+        press_on("exams/export");
+        return export_something();
+      case 2:
+        press_on("rail/review");
+        press_on("tools/move");
+        press_on("tools/export");
+        return export_something();
+      default:
+        return press_on(one_of({"exams/1", "exams/open", "exams/delete", "exams/undo", "export/start",
+                                "export/cancel", "export/label", "sheet/close", "contour/clear"}));
+    }
+  }
+  const char* one_of(std::initializer_list<const char*> names) {
+    return names.begin()[pick(static_cast<int>(names.size()))];
+  }
+  // If it is there.
+  void press_on(const char* name) {
+    const auto widget = cart_.loop().screen().widgets().find(name);
+    if (!widget || !widget->enabled) return;
+    contact(ui::Contact::Kind::down, 0, widget->rect.centre());
+    frames(1);
+    contact(ui::Contact::Kind::up, 0, widget->rect.centre());
+    frames(2);  // what it changed is drawn with the second
+  }
+  void draw_round(const char* name) {
+    const auto widget = cart_.loop().screen().widgets().find(name);
+    if (!widget) return;
+    const ui::Vec2 at = widget->rect.centre();
+    contact(ui::Contact::Kind::down, 0, at);
+    frames(1);
+    for (const ui::Vec2 step : {ui::Vec2{40, 0}, ui::Vec2{40, 30}, ui::Vec2{0, 30}}) {
+      contact(ui::Contact::Kind::move, 0, at + step);
+      frames(1);
+    }
+    contact(ui::Contact::Kind::up, 0, at + ui::Vec2{0, 30});
+    frames(1);
+  }
+  void export_something() {
+    // Which places there are is said by another thread.
+    for (int i = 0; i < 20; ++i) {
+      const auto start = cart_.loop().screen().widgets().find("export/start");
+      if (!start || start->enabled) break;
+      std::this_thread::sleep_for(milliseconds(1));
+      frames(1);
+    }
+    press_on(one_of({"export/mha", "export/nrrd", "export/sw", "export/dicom", "export/png", "export/webm",
+                     "export/marks"}));
+    press_on("export/start");
+    if (pick(3) == 0) press_on("export/cancel");
+  }
+  void note_what_is_seen() {
+    const ui::View& view = cart_.loop().view();
+    seen_.exams_pages += view.page == ui::Page::exams;
+    seen_.contours +=
+        cart_.loop().session().review_of(cart_.loop().session().shown_id()).contours.empty() ? 0 : 1;
+    const ui::ExportPhase phase = view.exams.transfer.phase;
+    if (phase == std::exchange(phase_, phase)) return;
+    seen_.exports_done += phase == ui::ExportPhase::done;
+    seen_.exports_failed += phase == ui::ExportPhase::failed;
+    seen_.exports_cancelled += phase == ui::ExportPhase::cancelled;
+  }
   void wheel() {
     cart_.player().input().wheels.push_back(
         {place(), {2 * part() - 1, 4 * part() - 2}, pick(3) == 0, pick(3) == 0});
@@ -159,7 +245,22 @@ class Monkey {
   std::mt19937_64 random_;
   bool down_ = false;
   int presses_ = 0;
+  Seen seen_;
+  ui::ExportPhase phase_ = ui::ExportPhase::idle;
 };
+
+// Only the newest exam stays on the disk, and what was exported goes.
+void tidy_up(ScreenCart& cart) {
+  exam::CartExams& exams = *cart.cart().exams();
+  std::error_code none;
+  std::filesystem::remove_all(cart.options().shots, none);
+  std::filesystem::remove_all(cart.options().exports.folder, none);
+  exams.new_exam({});
+  if (const auto list = exams.list()) {
+    for (const exam::ExamSummary& e : *list)
+      if (e.id != exams.exam_id()) exams.remove(e.id);
+  }
+}
 
 // Every quarter of a minute something else goes wrong.
 CartFaults faults_for(Duration length) {
@@ -194,7 +295,12 @@ TEST(Monkey, NeitherCrashesNorLosesASweepNorGrows) {
   ScreenCartSettings settings;
   settings.screen.width = 800;
   settings.screen.height = 600;
-  settings.screen.shots = scratch_folder();
+  const std::filesystem::path folder = scratch_folder();
+  settings.screen.shots = folder / "shots";
+  settings.screen.exports.folder = folder / "exports";
+  // No stick of the machine that runs the test.
+  settings.screen.exports.media = {folder / "mountinfo", folder / "sys", folder / "labels"};
+  settings.exams = folder / "exams";
   settings.ring_frames = 200;
   // An action takes some four frames.
   settings.faults = faults_for(actions * milliseconds(100) + seconds(10));
@@ -206,7 +312,7 @@ TEST(Monkey, NeitherCrashesNorLosesASweepNorGrows) {
     monkey.act();
     if (i == std::min(actions / 2, 2000L)) early_kib = resident_kib();
     ASSERT_EQ(cart.loop().screen().counts().gl_errors, 0u) << "after action " << i;
-    if (i % 1000 == 999) std::filesystem::remove_all(settings.screen.shots);  // its snapshots
+    if (i % 500 == 499) tidy_up(cart);
   }
   monkey.let_go();
   cart.play("wait 3\n");
@@ -216,6 +322,15 @@ TEST(Monkey, NeitherCrashesNorLosesASweepNorGrows) {
   EXPECT_EQ(cart.loop().sweeps_taken(), status.sweeps_handed);
   EXPECT_TRUE(status.cart.acquisition.ledger.balanced());
   EXPECT_GT(status.sweeps_handed, 0u);
+  const Monkey::Seen& seen = monkey.seen();
+  if (actions >= 5000) {
+    EXPECT_GT(seen.exams_pages, 0);
+    EXPECT_GT(seen.contours, 0);
+    EXPECT_GT(seen.exports_done, 0);
+  }
+  std::printf("%ld actions; exams page %ld, contours %ld, exports %ld done, %ld failed, %ld cancelled\n",
+              actions, seen.exams_pages, seen.contours, seen.exports_done, seen.exports_failed,
+              seen.exports_cancelled);
   // Fonts and pictures of larger windows come and go; a leak of a frame's picture would be 300 KiB each.
   EXPECT_LT(resident_kib() - early_kib, 100 * 1024);
 }
