@@ -1,15 +1,15 @@
 #include "app/screen/drag_layers.h"
 
-#include <cmath>
+#include <chrono>
 
 namespace sonoband {
 namespace {
 
 // A thinner band is painted whole in the time of its blocks.
 constexpr int least_layers = 2 * RollingBand::block_layers;
-// A layer that is painted apart costs six to ten times its share of the whole band; so many of them at once
-// cost what a band of 14 mm does.
-constexpr int most_missing = 2 * RollingBand::block_layers;
+// A layer that is painted apart costs four to ten times its share of the whole band: so many at once are
+// never dearer than a band of 14 mm.
+constexpr int most_missing = RollingBand::block_layers;
 
 }  // namespace
 
@@ -25,16 +25,26 @@ void DragLayers::follow(std::uint64_t sweep_version, const GapLimit& gap) {
 }
 
 std::optional<BandImage> DragLayers::render(PreparedSweep& sweep, const ReslicePlane& plane,
-                                            const RenderSettings& settings, Parallel& parallel) {
+                                            const RenderSettings& settings, double whole_ms,
+                                            Parallel& parallel) {
   if (!pays(plane, settings)) return std::nullopt;
   const std::optional<int> missing = band_.layers_missing(sweep, plane, settings);
-  if (!missing || *missing > most_missing) return std::nullopt;
+  if (!missing) return std::nullopt;
+  const bool cheaper = ms_per_layer_ > 0 && *missing * ms_per_layer_ < whole_ms;
+  if (*missing > most_missing && !cheaper) return std::nullopt;
   return band_.render(sweep, plane, settings, parallel);
 }
 
 void DragLayers::get_ready(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                            Parallel& parallel, const StopFlag& stop) {
-  if (pays(plane, settings)) band_.prepare(sweep, plane, settings, parallel, &stop);
+  if (!pays(plane, settings)) return;
+  const int missing = band_.layers_missing(sweep, plane, settings).value_or(0);
+  const int before = missing > 0 ? band_.layers_painted() : 0;
+  const auto begun = std::chrono::steady_clock::now();
+  band_.prepare(sweep, plane, settings, parallel, &stop);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begun;
+  const int painted = band_.layers_painted() - before;
+  if (painted >= RollingBand::block_layers) ms_per_layer_ = took.count() / painted;
 }
 
 bool moved_along_normal(const ReslicePlane& from, const ReslicePlane& to) {

@@ -19,9 +19,9 @@ class DragLayers {
   void follow(std::uint64_t sweep_version, const GapLimit& gap);
 
   // Of the sweep followed. The band out of its layers; empty where they are not ready or would cost more than
-  // painting it whole. Not to be stopped: it takes less than a whole picture.
+  // painting it whole, which takes `whole_ms` (0: not known). Not to be stopped: it takes less than that.
   std::optional<BandImage> render(PreparedSweep& sweep, const ReslicePlane& plane,
-                                  const RenderSettings& settings, Parallel& parallel);
+                                  const RenderSettings& settings, double whole_ms, Parallel& parallel);
   // Paints what the next step of a drag will need; ends soon after `stop` is set.
   void get_ready(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                  Parallel& parallel, const StopFlag& stop);
@@ -36,6 +36,7 @@ class DragLayers {
   RollingBand band_;
   std::uint64_t sweep_version_ = 0;
   std::optional<double> gap_mm_;  // of the layers
+  double ms_per_layer_ = 0;       // that was got ready last; 0: not known
 };
 
 // `to` is `from` moved along its normal.

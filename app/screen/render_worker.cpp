@@ -169,7 +169,9 @@ std::shared_ptr<PlanarPicture> RenderWorker::from_layers(Job& job) {
   if (!request.moving) return nullptr;
   const auto begun = SteadyClock::now();
   const Duration worked = thread_time();
-  auto band = job.kept.layers.render(job.sweep, request.plane, layer_settings_of(request), job.workers);
+  const double pace = job.kept.ms_per_sample[static_cast<std::size_t>(request.settings.interpolation)];
+  auto band = job.kept.layers.render(job.sweep, request.plane, layer_settings_of(request),
+                                     pace * samples_of(request), job.workers);
   if (!band) return nullptr;
   auto out = picture_for(job);
   out->band = std::move(*band);

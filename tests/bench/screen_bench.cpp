@@ -1,5 +1,6 @@
 // The speed of the screen over a scripted minute: acquisition at 60 pictures a second in real time, on the
-// software rasteriser, as a table. screen_bench [SECONDS]
+// software rasteriser, as a table; then drags on the render thread alone. screen_bench [SECONDS] (0: only
+// these)
 //
 // "cpu" is processor time of the screen's thread, which other work on the machine does not change. The
 // rasteriser is told to work on that thread, so that its share is in it.
@@ -17,6 +18,7 @@
 #include "app/screen/loop.h"
 #include "app/thread_time.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/speed_sweep.h"
 #include "ui/host/headless.h"
 
 namespace sonoband {
@@ -82,8 +84,66 @@ class Hand {
   bool held_ = false;
 };
 
+// A frame, to see what the dearest ones are.
+struct Dear {
+  double cpu_ms = 0, at_s = 0;
+  bool live = false;
+  double view_ms = 0, panels_ms = 0, gl_ms = 0;
+  std::uint64_t uploads = 0, scenes = 0;
+  double allocations = 0;
+};
+
+void print_dearest(std::vector<Dear>& frames) {
+  const auto some = std::min<std::size_t>(frames.size(), 8);
+  std::partial_sort(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(some), frames.end(),
+                    [](const Dear& a, const Dear& b) { return a.cpu_ms > b.cpu_ms; });
+  std::printf("The dearest frames:\n");
+  for (std::size_t i = 0; i < some; ++i) {
+    const Dear& d = frames[i];
+    std::printf(
+        "  %5.1f cpu ms at %6.2f s, %s: view %.2f, panels %.2f, driver's call %.1f; pictures sent %llu, "
+        "outline "
+        "drawn %llu, allocations %.0f\n",
+        d.cpu_ms, d.at_s, d.live ? "Live" : "Review", d.view_ms, d.panels_ms, d.gl_ms,
+        static_cast<unsigned long long>(d.uploads), static_cast<unsigned long long>(d.scenes), d.allocations);
+  }
+}
+
 double ms(Duration d) {
   return sonoband::seconds(d) * 1e3;
+}
+
+// A finger on the strip over the agreed work, so many layers a step, each step asked for once the one before
+// and what is got ready after it are done: what the render thread takes for the band of each step.
+void measure_drags() {
+  const test::TestSweep sweep = test::speed_sweep({});
+  std::printf("\n| drag over 640 x 480, 14 mm, 200 B-scans: cpu ms of a step | %7s | %7s | %7s | %6s |\n",
+              "p50", "p95", "worst", "n");
+  for (const auto& plane : test::speed_planes()) {
+    for (const int layers : {1, 8, 17}) {
+      RenderWorker worker(1);
+      RenderRequest request;
+      request.sweep = {sweep.view(), nullptr};
+      request.sweep_version = 1;
+      request.plane = plane.plane;
+      request.settings.band = {14, 0.2};
+      request.drag_ahead = true;
+      worker.ask(request);
+      worker.wait();
+      request.drag_ahead = false;
+      request.moving = true;
+      const std::string name = "drag, " + plane.name + ", layers a step: " + std::to_string(layers);
+      Series steps{name.c_str(), {}};
+      for (int i = 0; i < 60; ++i) {
+        const int there = i % 20 < 10 ? layers : -layers;  // and back
+        request.plane.origin.v += there * 0.2 * request.plane.normal().v;
+        worker.ask(request);
+        worker.wait();
+        steps.add(worker.newest()->planar->thread_ms);
+      }
+      steps.print();
+    }
+  }
 }
 
 void measure(double length_s) {
@@ -116,6 +176,11 @@ void measure(double length_s) {
     double worked = 0;     // cpu ms outside the rasteriser since then
     int without = 0;       // frames drawn since the last new band
     std::uint64_t shown = 0, awaited = 0;
+    std::uint64_t most_layer_bytes = 0;
+    ReslicePlane last_plane, event_plane;
+    std::vector<Dear> dear;  // frames of the screen
+    int last_layers = 0;
+    std::uint64_t uploads = 0, scenes = 0;
     auto next = begun;
     for (double t = 0; t < length_s; t = std::chrono::duration<double>(Steady::now() - begun).count()) {
       const Stamp now = cart->clock().now();
@@ -126,6 +191,8 @@ void measure(double length_s) {
         const auto start = Steady::now();
         const Duration cpu = thread_time();
         const std::uint64_t asked = loop.worker().counts().asked;
+        if (const auto before = loop.worker().newest(); before && !waiting)
+          event_plane = before->planar->plane;
         double allocations = 0;
         {
           const test::AllocationCounter counter;
@@ -151,13 +218,23 @@ void measure(double length_s) {
         (live ? live_frames : review_frames).add(frame_cpu);
         ++without;
         frames.add(Ms(end - start).count());
+        dear.push_back({frame_cpu, t, live, ms(times.view), ms(times.panels), ms(times.gl),
+                        loop.screen().counts().uploads - uploads, loop.screen().counts().scenes - scenes,
+                        allocations});
+        uploads = loop.screen().counts().uploads;
+        scenes = loop.screen().counts().scenes;
         if (loop.session().page() == ui::Page::live) age.add(loop.view().status.scanner.age_ms);
         const auto result = loop.worker().newest();
         if (result && result->version != shown) {
           shown = result->version;
+          most_layer_bytes = std::max(most_layer_bytes, loop.worker().counts().layer_bytes);
+          last_plane = result->planar->plane;
+          last_layers = result->planar->layers;
           if (hand.dragging() && waiting) still.add(without);
           without = 0;
-          if (waiting && shown > awaited) {
+          // Not the same band once more, in full, as the finger rests.
+          const bool moved = result->planar->plane.origin.v != event_plane.origin.v;
+          if (waiting && shown > awaited && moved) {
             band.add(Ms(end - event).count());
             band_cpu.add(worked + result->planar->thread_ms);
             render.add(result->planar->thread_ms);
@@ -193,6 +270,17 @@ void measure(double length_s) {
         static_cast<unsigned long long>(ledger.all_lost() - ledger.lost_for(LossCause::duplicate)),
         static_cast<unsigned long long>(ledger.device_gap), static_cast<long long>(over),
         static_cast<unsigned long long>(loop.screen().counts().gl_errors));
+    print_dearest(dear);
+    const RenderWorker::Counts jobs = loop.worker().counts();
+    std::printf(
+        "Bands asked for %llu, painted %llu, of them out of layers %llu; coarse ones shown first %llu; "
+        "layers "
+        "got ready between in %.0f cpu ms of the render thread, %.0f MB kept at most; the band has %d x %d "
+        "pixels and %d layers\n",
+        static_cast<unsigned long long>(jobs.asked), static_cast<unsigned long long>(jobs.done),
+        static_cast<unsigned long long>(jobs.from_layers), static_cast<unsigned long long>(jobs.coarse),
+        jobs.layers_ms, static_cast<double>(most_layer_bytes) / 1e6, last_plane.width, last_plane.height,
+        last_layers);
   }
   cart->stop();
 }
@@ -204,7 +292,8 @@ int main(int argc, char** argv) {
   ::setenv("LP_NUM_THREADS", "0", 1);
   const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 60;
   try {
-    sonoband::measure(seconds > 0 ? seconds : 60);
+    if (seconds > 0) sonoband::measure(seconds);
+    sonoband::measure_drags();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "screen_bench: %s\n", e.what());
     return 1;
