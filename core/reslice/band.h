@@ -56,8 +56,9 @@ struct RenderSettings {
   Compounding compounding = Compounding::maximum;
   Interpolation interpolation = Interpolation::nearest;
   GapLimit gap;
-  // Leaves out frames that lie denser than the output can show, by the rule of `thinned`; off for bit-exact
-  // work.
+  // Leaves out frames that lie denser than the output can show; off for bit-exact work. By the rule of
+  // `thinned`; where that would leave more than half of them, a plane by the rule of core/reslice/chain.h
+  // instead, by what each part of the picture sees of the frames (rolling bands keep to `thinned`).
   bool thin_dense_frames = false;
 };
 
@@ -67,7 +68,8 @@ struct BandImage {
   Pixels pixels;
   ImageBuffer<std::uint16_t> coverage;
   PixelKind kind = PixelKind::grey;
-  int frames_left_out = 0;  // by RenderSettings::thin_dense_frames
+  // By RenderSettings::thin_dense_frames; by the rule of core/reslice/chain.h in the mean over the picture.
+  int frames_left_out = 0;
 };
 
 // Parallel, equally sampled lines: what both a plane and an unrolled surface are. Row r of the picture is

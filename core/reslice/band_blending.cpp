@@ -37,14 +37,14 @@ void BandPainter::blend_cell(const ChainCells& cells, int cell, const PatchSite&
 void BandPainter::blend(BlendSide& a, BlendSide* b, int layers, LaneMask* masks) {
   // Lanes the kernel does not cover: colours, and taps the mask takes away.
   std::array<LaneMask, patch_layers> odd{};
-  if (table_.kind == PixelKind::doppler) {
+  if (table().kind == PixelKind::doppler) {
     std::copy_n(masks, layers, odd.data());
     std::fill_n(masks, layers, LaneMask{0});
-  } else if (!table_.mask.empty()) {
+  } else if (!table().mask.empty()) {
     std::copy_n(masks, layers, odd.data());
     for (const BlendSide* s : {static_cast<const BlendSide*>(&a), static_cast<const BlendSide*>(b)}) {
       if (s == nullptr) continue;
-      patch_kernels().taps_inside(*s->patch, table_.mask.data, table_.mask.stride, s->x.data(), s->y.data(),
+      patch_kernels().taps_inside(*s->patch, table().mask.data, table().mask.stride, s->x.data(), s->y.data(),
                                   layers, masks);
     }
     for (int l = 0; l < layers; ++l) odd[l] &= ~masks[l];
@@ -74,11 +74,11 @@ void BandPainter::blend_lane(const BlendSide& a, const BlendSide* b, int l, int 
     return static_cast<double>(s.z[l]) + static_cast<double>(s.z_per_sample) * tile_.grid.a[lane] +
            static_cast<double>(s.z_per_row) * tile_.grid.b[lane];
   };
-  TapBlend taps(table_);
+  TapBlend taps(table());
   const auto add = [&](const BlendSide& s, double share) {
     const double x = static_cast<double>(s.x[l]) / fixed_per_px + s.patch->offset_x[lane] / 65536.0;
     const double y = static_cast<double>(s.y[l]) / fixed_per_px + s.patch->offset_y[lane] / 65536.0;
-    taps.add(table_.frames[s.frame], x, y, share);
+    taps.add(table().frames[s.frame], x, y, share);
   };
   const double za = std::abs(z(a)), zb = b != nullptr ? std::abs(z(*b)) : 0;
   const double share = b != nullptr && za > 0 ? zb / (za + zb) : 1;

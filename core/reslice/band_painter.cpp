@@ -99,7 +99,7 @@ void BandPainter::paint_shares(const std::vector<Candidate>& candidates,
 // Any geometry, at place_.
 void BandPainter::paint_place(const std::vector<Candidate>& candidates,
                               const std::vector<const PatchFrame*>& frames) {
-  winners_.find(table_, candidates, frames, place_, tile_.grid, interpolation());
+  winners_.find(table(), candidates, frames, place_, tile_.grid, interpolation());
   paint_shares(candidates, frames, {0, place_.layers});
 }
 
@@ -108,15 +108,15 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
                               const std::vector<int>& frames) {
   std::vector<Candidate> candidates;
   const SampleBox box = box_of(lattice, block);
-  cull(table_, frames, box, interpolation(), candidates);
+  cull(table(), frames, box, interpolation(), candidates);
   if (candidates.empty()) {
     blank(block);
     return;
   }
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
-  if (make_chain(table_, candidates, box, chain)) {
-    lay_out(table_, lattice, tile_, chain, candidates, box, block.l, interpolation(), cells_);
+  if (make_chain(table(), candidates, box, chain)) {
+    lay_out(lattice, tile_, chain, candidates, box, block.l, interpolation(), cells_);
     paint_layers(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes}, block.l);
     return;
   }
@@ -146,7 +146,7 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
     paint_place(candidates, patch_frames);
     return;
   }
-  winners_.find(table_, candidates, patch_frames, place_, tile_.grid, interpolation());
+  winners_.find(table(), candidates, patch_frames, place_, tile_.grid, interpolation());
   for (int l = 0; l < block.depth; ++l) {
     totals_.clear();
     paint_shares(candidates, patch_frames, {l, l + 1});
@@ -154,53 +154,79 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   }
 }
 
-// Paints patch after patch where the frames are a chain, and halves the region where they are not.
+// Calls paint(a, b, width, height) for every patch of a region.
+template <class Paint>
+void BandPainter::paint_patches(const LatticeBlock& region, Paint paint) {
+  const LaneShape shape = tile_.shape;
+  for (int b = region.b; b < region.b + region.height; b += shape.down()) {
+    if (stopped()) return;
+    for (int a = region.a; a < region.a + region.width; a += shape.across) {
+      const int width = std::min(shape.across, region.a + region.width - a);
+      const int height = std::min(shape.down(), region.b + region.height - b);
+      if (!apart()) totals_.clear();
+      paint(a, b, width, height);
+      if (!apart()) totals_.store(*image_, a, b, shape);
+    }
+  }
+}
+
+void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
+                              const std::vector<Candidate>& candidates, const Chain& chain) {
+  lay_out(lattice, tile_, chain, candidates, box, 0, interpolation(), cells_);
+  int start = 0;
+  paint_patches(region, [&](int a, int b, int width, int height) {
+    const LaneMask lanes = existing_lanes(tile_.shape, width, height);
+    start = paint_layers(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth, lanes, start}, 0);
+  });
+}
+
+void BandPainter::paint_tile(const Lattice& lattice) {
+  if (tile_.is_chain && tile_.block.depth <= patch_layers) {
+    paint_chain(lattice, tile_.block, tile_.box, tile_.candidates, tile_.chain);
+    return;
+  }
+  std::vector<int> frames;
+  for (const Candidate& c : tile_.candidates) frames.push_back(c.frame);
+  paint_parts(lattice, tile_.block, frames);
+}
+
+// Paints patch after patch where the frames are a chain.
 void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& region,
                                const std::vector<int>& frames) {
   if (stopped()) return;
-  const LaneShape shape = tile_.shape;
-  const bool whole = region.width == tile_.block.width && region.height == tile_.block.height;
-  std::vector<Candidate> culled;
-  const SampleBox box = whole ? tile_.box : box_of(lattice, region);
-  if (!whole) cull(table_, frames, box, interpolation(), culled);
-  const std::vector<Candidate>& candidates = whole ? tile_.candidates : culled;
+  std::vector<Candidate> candidates;
+  const SampleBox box = box_of(lattice, region);
+  cull(table(), frames, box, interpolation(), candidates);
   if (candidates.empty()) {
     blank(region);
     return;
   }
-  const auto paint_patches = [&](auto paint) {
-    for (int b = region.b; b < region.b + region.height; b += shape.down()) {
-      if (stopped()) return;
-      for (int a = region.a; a < region.a + region.width; a += shape.across) {
-        const int width = std::min(shape.across, region.a + region.width - a);
-        const int height = std::min(shape.down(), region.b + region.height - b);
-        if (!apart()) totals_.clear();
-        paint(a, b, width, height);
-        if (!apart()) totals_.store(*image_, a, b, shape);
-      }
-    }
-  };
   Chain chain;
-  if (region.depth <= patch_layers && make_chain(table_, candidates, box, chain)) {
-    lay_out(table_, lattice, tile_, chain, candidates, box, 0, interpolation(), cells_);
-    int start = 0;
-    paint_patches([&](int a, int b, int width, int height) {
-      start = paint_layers(
-          cells_,
-          {a - tile_.block.a, b - tile_.block.b, region.depth, existing_lanes(shape, width, height), start},
-          0);
-    });
+  if (region.depth <= patch_layers && make_chain(table(), candidates, box, chain)) {
+    if (thin_mm_ > 0) {
+      const std::size_t members = chain.members.size();
+      thin_chain(table(), candidates, box, thin_mm_, interpolation(), chain);
+      left_out_.add(members, chain.members.size());
+    }
+    paint_chain(lattice, region, box, candidates, chain);
     return;
   }
   std::vector<int> near;
   for (const Candidate& c : candidates) near.push_back(c.frame);
+  paint_parts(lattice, region, near);
+}
+
+// Halves a region whose frames are no chain, or paints its only patch.
+void BandPainter::paint_parts(const Lattice& lattice, const LatticeBlock& region,
+                              const std::vector<int>& frames) {
+  const LaneShape shape = tile_.shape;
   const int across = (region.width + shape.across - 1) / shape.across;
   const int down = (region.height + shape.down() - 1) / shape.down();
   if (region.depth > patch_layers || across * down == 1) {
-    paint_patches([&](int a, int b, int width, int height) {
+    paint_patches(region, [&](int a, int b, int width, int height) {
       for (int l = 0; l < region.depth; l += patch_layers) {
         if (l > 0 && !apart()) totals_.next_piece();
-        paint_block(lattice, {a, b, l, width, height, std::min(patch_layers, region.depth - l)}, near);
+        paint_block(lattice, {a, b, l, width, height, std::min(patch_layers, region.depth - l)}, frames);
       }
     });
     return;
@@ -216,30 +242,37 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
     second.b += first.height;
     second.height -= first.height;
   }
-  paint_region(lattice, first, near);
-  paint_region(lattice, second, near);
+  paint_region(lattice, first, frames);
+  paint_region(lattice, second, frames);
+}
+
+std::vector<int> BandPainter::frames_near(const FrameTable& of, const std::vector<int>& frames,
+                                          const SampleBox& box) const {
+  std::vector<Candidate> candidates;
+  cull(of, frames, box, interpolation(), candidates);
+  std::vector<int> kept;
+  for (const Candidate& c : candidates) kept.push_back(c.frame);
+  return kept;
 }
 
 void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b,
                               int width) {
   const int height = std::min(tile_pixels, lattice.rows - b);
-  std::vector<Candidate> candidates;
-  cull(table_, frames, box_of(lattice, {a, b, 0, width, height, lattice.layers}), interpolation(),
-       candidates);
-  std::vector<int> near;
-  for (const Candidate& c : candidates) near.push_back(c.frame);
-  if (near.empty()) {
+  const SampleBox box = box_of(lattice, {a, b, 0, width, height, lattice.layers});
+  const std::vector<int> reach = frames_near(table_, frames, box);
+  if (reach.empty()) {
     blank({a, b, 0, width, height, lattice.layers});
     return;
   }
-  bool opened = tile_.open(table_, lattice, near, interpolation(), a, b);
+  const auto open = [&](Tile& tile, int at) {
+    return tile.open(table_, lattice, reach, interpolation(), at, b, thin_mm_, left_out_);
+  };
+  bool opened = open(tile_, a);
   for (const int end = a + width; a < end; a += tile_pixels) {
     if (stopped()) return;
-    const bool more = a + tile_pixels < end;
-    const bool next_opened =
-        more && next_tile_.open(table_, lattice, near, interpolation(), a + tile_pixels, b);
+    const bool next_opened = a + tile_pixels < end && open(next_tile_, a + tile_pixels);
     if (opened) {
-      paint_region(lattice, tile_.block, near);
+      paint_tile(lattice);
     } else {
       blank({a, b, 0, std::min(tile_pixels, end - a), height, lattice.layers});
     }
@@ -250,6 +283,7 @@ void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& fr
 
 void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first,
                               int last) {
+  tile_.table = &table_;
   tile_.shape = LaneShape{patch_lanes};
   const int end = std::min(a + patch_lanes, bundle.samples);
   tile_.grid = lane_grid(tile_.shape);
@@ -261,7 +295,7 @@ void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& 
   for (const Candidate& c : tile_.candidates) near.push_back(c.frame);
   Lattice steps;
   steps.per_sample = bundle.step.v;
-  tile_.make_frames(table_, steps, 0, 0, linear_ ? 2 : 1);
+  tile_.make_frames(steps, 0, 0, linear_ ? 2 : 1);
   std::vector<Candidate> candidates;
   std::vector<const PatchFrame*> patch_frames;
   const LaneMask lanes = existing_lanes(tile_.shape, end - a, 1);

@@ -15,9 +15,11 @@ namespace sonoband {
 // One thread's painter. Tiles may come in any order; none depends on another.
 class BandPainter {
  public:
+  // Chains are thinned to `thin_mm`, if not 0.
   BandPainter(const FrameTable& table, const RenderSettings& settings, BandImage& image,
-              const std::atomic<bool>* stop)
+              const std::atomic<bool>* stop, double thin_mm = 0)
       : table_(table),
+        thin_mm_(thin_mm),
         stop_(stop),
         linear_(settings.interpolation == Interpolation::linear),
         rule_(rule_of(settings.compounding, table.kind)),
@@ -36,6 +38,8 @@ class BandPainter {
   // tile's pixels are asked for while the one before is painted.
   void paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b, int width);
 
+  const LeftOut& left_out() const { return left_out_; }
+
   // Rows [first, last) of any bundle, samples [a, a + 64).
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
 
@@ -46,7 +50,18 @@ class BandPainter {
   int paint_layers(const ChainCells& cells, PatchSite site, int first_layer);
   void blend_cell(const ChainCells& cells, int cell, const PatchSite& site, const LayerRange& range,
                   LaneMask* masks);
+  // What a tile's, or a patch's, frames are of.
+  const FrameTable& table() const { return *tile_.table; }
+  // Those of `frames` that may matter to a box.
+  std::vector<int> frames_near(const FrameTable& of, const std::vector<int>& frames,
+                               const SampleBox& box) const;
+  template <class Paint>
+  void paint_patches(const LatticeBlock& region, Paint paint);
+  void paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
+                   const std::vector<Candidate>& candidates, const Chain& chain);
+  void paint_tile(const Lattice& lattice);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
+  void paint_parts(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
   void paint_block(const Lattice& lattice, const LatticeBlock& block, const std::vector<int>& frames);
   void paint_place(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames);
   void paint_shares(const std::vector<Candidate>& candidates, const std::vector<const PatchFrame*>& frames,
@@ -72,6 +87,8 @@ class BandPainter {
   bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
 
   const FrameTable& table_;
+  double thin_mm_ = 0;
+  LeftOut left_out_;
   const std::atomic<bool>* stop_;  // may be null
   bool linear_;
   Rule rule_;

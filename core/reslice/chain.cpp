@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "core/reslice/ties.h"
 
@@ -55,6 +56,30 @@ bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, 
     return false;
   };
   return !(chain.first_ends && outreached(first)) && !(chain.last_ends && outreached(last));
+}
+
+void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                double pixel_mm, Interpolation interpolation, Chain& chain) {
+  const std::vector<int>& all = chain.members;
+  // From member i to member j, behind it.
+  const auto widest = [&](std::size_t i, std::size_t j) {
+    const AffineScalar from = oriented_z(table.frames[candidates[all[i]].frame]);
+    const AffineScalar to = oriented_z(table.frames[candidates[all[j]].frame]);
+    const Eigen::Vector3d gradient = from.gradient - to.gradient;
+    return span_of({gradient, from.offset - to.offset}, box).highest + gradient.norm() * pixel_mm / 2;
+  };
+  const auto neighbours = [&](std::size_t i, std::size_t j) {
+    if (interpolation == Interpolation::linear) return widest(i, j) <= pixel_mm;
+    return widest(i, j - 1) <= pixel_mm && widest(i + 1, j) <= pixel_mm;
+  };
+  std::vector<int> kept = {all.front()};
+  for (std::size_t i = 0; i + 1 < all.size();) {
+    std::size_t j = i + 1;
+    while (j + 1 < all.size() && neighbours(i, j + 1)) ++j;
+    kept.push_back(all[j]);
+    i = j;
+  }
+  chain.members = std::move(kept);
 }
 
 }  // namespace sonoband

@@ -115,9 +115,10 @@ void lay_out_frames(const Tile& tile, const Chain& chain, const std::vector<Cand
 
 }  // namespace
 
-void lay_out(const FrameTable& table, const Lattice& lattice, const Tile& tile, const Chain& chain,
+void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
              const std::vector<Candidate>& candidates, const SampleBox& box, int l,
              Interpolation interpolation, ChainCells& cells) {
+  const FrameTable& table = *tile.table;
   const bool linear = interpolation == Interpolation::linear;
   cells.members.clear();
   cells.frames.clear();

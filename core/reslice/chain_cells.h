@@ -21,7 +21,7 @@ struct ChainCells {
 
 // Of the samples of `box`, which lie in the tile; layer 0 of the cells is layer l. `chain` is of
 // `candidates`, which are some of the tile's.
-void lay_out(const FrameTable& table, const Lattice& lattice, const Tile& tile, const Chain& chain,
+void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
              const std::vector<Candidate>& candidates, const SampleBox& box, int l,
              Interpolation interpolation, ChainCells& cells);
 

@@ -1,6 +1,7 @@
 #include "core/reslice/paint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/reslice/band_painter.h"
@@ -69,13 +70,50 @@ void paint_layers_plainly(const FrameTable& table, const Lattice& lattice, const
 }
 
 // Paints with the sweep's frames, or with those that stay when thinned.
-template <class Paint>
-BandImage with_frames(const SweepView& sweep, const RenderSettings& settings, double pixel_mm,
-                      Paint paint_table) {
-  if (!settings.thin_dense_frames) return paint_table(make_frame_table(sweep, settings.gap));
-  const std::vector<const TrackedFrame*> kept = thinned(sweep, pixel_mm);
-  BandImage image = paint_table(make_frame_table({kept, sweep.mask}, settings.gap));
-  image.frames_left_out = static_cast<int>(sweep.frames.size() - kept.size());
+template <class Surface>
+BandImage paint_sweep(const SweepView& sweep, const RenderSettings& settings, double pixel_mm,
+                      Parallel& parallel, const Surface& surface) {
+  const FrameTable table = make_frame_table(sweep, settings.gap);
+  if (!settings.thin_dense_frames) return paint(table, surface, settings, parallel, nullptr);
+  const std::vector<const TrackedFrame*> stay = thinned(sweep, pixel_mm);
+  const FrameTable kept = make_frame_table({stay, sweep.mask}, settings.gap);
+  return paint_thinned(table, kept, pixel_mm, surface, settings, parallel, nullptr);
+}
+
+// In the mean over the chains that were thinned.
+int frames_left_out(const FrameTable& table, const LeftOut& count) {
+  if (count.reached == 0) return 0;
+  return static_cast<int>(
+      std::llround(static_cast<double>(table.frames.size()) * static_cast<double>(count.left_out) /
+                   static_cast<double>(count.reached)));
+}
+
+// Chains are thinned to `thin_mm`, if not 0.
+BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
+                      double thin_mm, Parallel& parallel, const std::atomic<bool>* stop) {
+  BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
+  if (lattice.samples <= 0 || lattice.rows <= 0 || table.frames.empty()) return image;
+  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
+    paint_plainly(table, lines_of(lattice), settings, parallel, stop, image);
+    return image;
+  }
+  const std::vector<int> all = all_frames(table);
+  const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
+  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
+  std::vector<LeftOut> left_out(static_cast<std::size_t>(across) * down);
+  parallel.for_each(across * down, [&](int strip) {
+    BandPainter painter(table, settings, image, stop, thin_mm);
+    const int a = strip % across * strip_pixels;
+    painter.paint_tiles(lattice, all, a, strip / across * tile_pixels,
+                        std::min(strip_pixels, lattice.samples - a));
+    left_out[strip] = painter.left_out();
+  });
+  LeftOut sum;
+  for (const LeftOut& of_strip : left_out) {
+    sum.reached += of_strip.reached;
+    sum.left_out += of_strip.left_out;
+  }
+  image.frames_left_out = frames_left_out(table, sum);
   return image;
 }
 
@@ -103,21 +141,16 @@ Lattice plane_lattice(const ReslicePlane& plane, const Band& band) {
 
 BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
                 Parallel& parallel, const std::atomic<bool>* stop) {
-  BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
-  if (lattice.samples <= 0 || lattice.rows <= 0 || table.frames.empty()) return image;
-  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
-    paint_plainly(table, lines_of(lattice), settings, parallel, stop, image);
-    return image;
-  }
-  const std::vector<int> all = all_frames(table);
-  const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
-  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
-  parallel.for_each(across * down, [&](int strip) {
-    BandPainter painter(table, settings, image, stop);
-    const int a = strip % across * strip_pixels;
-    painter.paint_tiles(lattice, all, a, strip / across * tile_pixels,
-                        std::min(strip_pixels, lattice.samples - a));
-  });
+  return paint_tiles(table, lattice, settings, 0, parallel, stop);
+}
+
+BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
+                        const Lattice& lattice, const RenderSettings& settings, Parallel& parallel,
+                        const std::atomic<bool>* stop) {
+  if (2 * kept.frames.size() > table.frames.size())
+    return paint_tiles(table, lattice, settings, pixel_mm, parallel, stop);
+  BandImage image = paint(kept, lattice, settings, parallel, stop);
+  image.frames_left_out = static_cast<int>(table.frames.size() - kept.frames.size());
   return image;
 }
 
@@ -156,19 +189,24 @@ BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderS
   return image;
 }
 
+BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
+                        const LineBundle& bundle, const RenderSettings& settings, Parallel& parallel,
+                        const std::atomic<bool>* stop) {
+  if (const std::optional<Lattice> lattice = lattice_of(bundle))
+    return paint_thinned(table, kept, pixel_mm, *lattice, settings, parallel, stop);
+  BandImage image = paint(kept, bundle, settings, parallel, stop);
+  image.frames_left_out = static_cast<int>(table.frames.size() - kept.frames.size());
+  return image;
+}
+
 BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                        Parallel& parallel) {
-  const double pixel_mm = bundle.step.v.norm();
-  return with_frames(sweep, settings, pixel_mm, [&](const FrameTable& table) {
-    return paint(table, bundle, settings, parallel, nullptr);
-  });
+  return paint_sweep(sweep, settings, bundle.step.v.norm(), parallel, bundle);
 }
 
 BandImage render_planar(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                         Parallel& parallel) {
-  return with_frames(sweep, settings, plane.pixel_mm, [&](const FrameTable& table) {
-    return paint(table, plane_lattice(plane, settings.band), settings, parallel, nullptr);
-  });
+  return paint_sweep(sweep, settings, plane.pixel_mm, parallel, plane_lattice(plane, settings.band));
 }
 
 }  // namespace sonoband

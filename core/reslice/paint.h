@@ -17,6 +17,15 @@ BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSet
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
                 Parallel& parallel, const std::atomic<bool>* stop);
 
+// The same with frames left out that are denser than the output's pixel_mm: of `kept`, which is `thinned`,
+// where that halves the frames or more, or where the bundle is no plane's; else of the table by chains.
+BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
+                        const Lattice& lattice, const RenderSettings& settings, Parallel& parallel,
+                        const std::atomic<bool>* stop);
+BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
+                        const LineBundle& bundle, const RenderSettings& settings, Parallel& parallel,
+                        const std::atomic<bool>* stop);
+
 // Layers apart, a strip of the picture at a time; strips may be painted in any order and on any threads.
 // Whatever a strip of the block held before is overwritten. Of `settings` the interpolation counts and
 // whether minima are asked for.

@@ -42,10 +42,8 @@ template <class Surface>
 BandImage paint_prepared(PreparedSweep& sweep, const Surface& surface, const RenderSettings& settings,
                          double pixel_mm, Parallel& parallel, const StopFlag* stop) {
   if (!settings.thin_dense_frames) return paint(sweep.prepare(), surface, settings, parallel, stop);
-  const std::shared_ptr<const FrameTable> table = sweep.prepare_thinned(pixel_mm);
-  BandImage image = paint(*table, surface, settings, parallel, stop);
-  image.frames_left_out = static_cast<int>(sweep.view().frames.size() - table->frames.size());
-  return image;
+  const std::shared_ptr<const FrameTable> kept = sweep.prepare_thinned(pixel_mm);
+  return paint_thinned(sweep.prepare(), *kept, pixel_mm, surface, settings, parallel, stop);
 }
 
 }  // namespace

@@ -76,12 +76,11 @@ LaneMask existing_lanes(LaneShape shape, int width, int height) {
   return lanes;
 }
 
-LaneShape Tile::choose_shape(const FrameTable& table, const Lattice& lattice,
-                             Interpolation interpolation) const {
+LaneShape Tile::choose_shape(const Lattice& lattice, Interpolation interpolation) const {
   const Candidate& middle = *std::min_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return std::abs(a.z_centre) < std::abs(b.z_centre); });
-  const FrameEntry& f = table.frames[middle.frame];
+  const FrameEntry& f = table->frames[middle.frame];
   const auto per = [&](const AffineScalar& g, const Eigen::Vector3d& step) {
     return std::abs(g.gradient.dot(step));
   };
@@ -114,11 +113,11 @@ LaneShape Tile::choose_shape(const FrameTable& table, const Lattice& lattice,
   return best;
 }
 
-void Tile::make_frames(const FrameTable& table, const Lattice& lattice, int a, int b, int taps) {
+void Tile::make_frames(const Lattice& lattice, int a, int b, int taps) {
   if (frames.size() < candidates.size()) frames.resize(candidates.size());
   const Eigen::Vector3d origin = lattice.at(a, b, 0);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const FrameEntry& f = table.frames[candidates[c].frame];
+    const FrameEntry& f = table->frames[candidates[c].frame];
     TileFrame& t = frames[c];
     const FootSteps steps{f.x_px.gradient.dot(lattice.per_sample), f.x_px.gradient.dot(lattice.per_row),
                           f.y_px.gradient.dot(lattice.per_sample), f.y_px.gradient.dot(lattice.per_row)};
@@ -140,8 +139,20 @@ int Tile::index_of(int frame) const {
   return static_cast<int>(found - candidates.begin());
 }
 
-bool Tile::open(const FrameTable& table, const Lattice& lattice, const std::vector<int>& near,
-                Interpolation interpolation, int a, int b) {
+void Tile::keep_chain_only() {
+  std::vector<int> members = chain.members;
+  std::sort(members.begin(), members.end());
+  const auto place = [&](int m) {
+    return static_cast<int>(std::lower_bound(members.begin(), members.end(), m) - members.begin());
+  };
+  for (std::size_t i = 0; i < members.size(); ++i) candidates[i] = candidates[members[i]];
+  candidates.resize(members.size());
+  for (int& m : chain.members) m = place(m);
+}
+
+bool Tile::open(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
+                Interpolation interpolation, int a, int b, double thin_mm, LeftOut& count) {
+  table = &frame_table;
   block = {a,
            b,
            0,
@@ -149,13 +160,19 @@ bool Tile::open(const FrameTable& table, const Lattice& lattice, const std::vect
            std::min(tile_pixels, lattice.rows - b),
            lattice.layers};
   box = box_of(lattice, block);
-  cull(table, near, box, interpolation, candidates);
+  cull(frame_table, near, box, interpolation, candidates);
   if (candidates.empty()) return false;
-  shape = choose_shape(table, lattice, interpolation);
+  is_chain = make_chain(frame_table, candidates, box, chain);
+  if (is_chain && thin_mm > 0) {
+    thin_chain(frame_table, candidates, box, thin_mm, interpolation, chain);
+    count.add(candidates.size(), chain.members.size());
+    keep_chain_only();
+  }
+  shape = choose_shape(lattice, interpolation);
   grid = lane_grid(shape);
-  make_frames(table, lattice, a, b, interpolation == Interpolation::linear ? 2 : 1);
+  make_frames(lattice, a, b, interpolation == Interpolation::linear ? 2 : 1);
   for (std::size_t c = 0; c < candidates.size(); ++c)
-    prefetch(table, lattice, block, frames[c], candidates[c]);
+    prefetch(frame_table, lattice, block, frames[c], candidates[c]);
   return true;
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/reslice/chain.h"
 #include "core/reslice/lattice.h"
 #include "core/reslice/patch.h"
 
@@ -16,24 +17,40 @@ struct TileFrame {
   ChainFrame at;  // from the tile's first sample, row and layer; `frame` is set where it is used
 };
 
+// Frames of chains that could be thinned, and those of them that were left out.
+struct LeftOut {
+  std::int64_t reached = 0, left_out = 0;
+  void add(std::size_t all, std::size_t kept) {
+    reached += static_cast<std::int64_t>(all);
+    left_out += static_cast<std::int64_t>(all) - static_cast<std::int64_t>(kept);
+  }
+};
+
 struct Tile {
+  const FrameTable* table = nullptr;  // what candidates are of
   LatticeBlock block;
   SampleBox box;
   LaneShape shape;
   LaneGrid grid{};                    // of shape
   std::vector<Candidate> candidates;  // ascending by frame
   std::vector<TileFrame> frames;      // theirs; may be longer
+  bool is_chain = false;              // candidates are `chain` throughout the tile
+  Chain chain;
 
-  // False where no frame reaches the tile at sample a, row b. `near` are those that may matter, ascending.
-  bool open(const FrameTable& table, const Lattice& lattice, const std::vector<int>& near,
-            Interpolation interpolation, int a, int b);
+  // False where no frame reaches the tile at sample a, row b. `near` are those of the table that may matter,
+  // ascending. A chain is thinned to `thin_mm`, if not 0, and `count` told.
+  bool open(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
+            Interpolation interpolation, int a, int b, double thin_mm, LeftOut& count);
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 
   // The patch that spans fewest frames and pixel rows.
-  LaneShape choose_shape(const FrameTable& table, const Lattice& lattice, Interpolation interpolation) const;
+  LaneShape choose_shape(const Lattice& lattice, Interpolation interpolation) const;
   // `taps`: pixels along x and along y that a sample takes: 1 nearest, 2 linear.
-  void make_frames(const FrameTable& table, const Lattice& lattice, int a, int b, int taps);
+  void make_frames(const Lattice& lattice, int a, int b, int taps);
+
+ private:
+  void keep_chain_only();
 };
 
 // Lanes within width x height of a patch's corner.

@@ -257,7 +257,8 @@ TEST(PlanarBand, ThinningLeavesFramesAtMostAPixelApart) {
   EXPECT_EQ(image.frames_left_out, 32);
   for (int y = 0; y < 8; ++y) {
     EXPECT_EQ(image.coverage.view()(5, y), 1);
-    EXPECT_NEAR(image.pixels.view()(5, y), 100 * pixel * y, 100 * pixel / 2 + 1);
+    // Half a pixel beyond what the definition, with all frames, may be off: half a gap.
+    EXPECT_NEAR(image.pixels.view()(5, y), 100 * pixel * y, 100 * (pixel + 0.05) / 2 + 1);
   }
   EXPECT_EQ(render(sweep.view(), c_plane(3.0, 64, 8), thick(0)).frames_left_out, 0);
 }

@@ -1,0 +1,175 @@
+// Frames denser than the output's pixels, left out by the rule of core/reslice/chain.h.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "core/reslice/band.h"
+#include "tests/core/reslice/compare.h"
+#include "tests/support/support.h"
+#include "tests/support/test_sweep.h"
+
+namespace sonoband {
+namespace {
+
+constexpr double pixel_mm = 0.2;
+
+// Frames of noise, `spacing_mm` apart but for a tenth of it, with a hand's wobble: wherever a value comes
+// from, it tells.
+void add_frames(test::TestSweep& sweep, int count, double spacing_mm) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> jitter(-0.1, 0.1);
+  for (int i = 0; i < count; ++i) {
+    const double z = spacing_mm * (i + jitter(random));
+    const Eigen::Matrix3d axes = (Eigen::AngleAxisd(0.03 * std::sin(0.5 * z), Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(0.03 * std::sin(0.7 * z), Eigen::Vector3d::UnitY()))
+                                     .toRotationMatrix();
+    sweep.add(120, 70, test::image_pose(axes, {0, 0, z}, pixel_mm),
+              [&](int, int, const Eigen::Vector3d&) { return static_cast<std::uint8_t>(random()); });
+  }
+}
+
+// A thin plane across the frames, turned in itself, well inside their pictures.
+ReslicePlane plane_across(double turn_deg) {
+  const Eigen::Matrix3d axes = (Eigen::AngleAxisd(M_PI / 2 + 0.2, Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(turn_deg * M_PI / 180, Eigen::Vector3d::UnitZ()))
+                                   .toRotationMatrix();
+  const Eigen::Vector3d middle(12, 7, 5);
+  return *make_plane(middle - 4.0 * axes.col(0) - 4.0 * axes.col(1), axes.col(0), axes.col(1), 41, 41,
+                     pixel_mm);
+}
+
+RenderSettings thin_settings(Interpolation interpolation) {
+  RenderSettings settings;
+  settings.band = {0, pixel_mm};
+  settings.interpolation = interpolation;
+  settings.thin_dense_frames = true;
+  return settings;
+}
+
+Eigen::Vector3d foot(const TrackedFrame& f, const Eigen::Vector3d& p) {
+  return (f.image_from_world * Point<frame::World>{p}).v;
+}
+
+// The definition's frame at p: the one with the smallest distance but for ties.
+bool is_nearest(const test::TestSweep& sweep, const TrackedFrame& f, const Eigen::Vector3d& p) {
+  const double z = std::abs(foot(f, p).z());
+  return std::all_of(sweep.view().frames.begin(), sweep.view().frames.end(),
+                     [&](const TrackedFrame* other) { return std::abs(foot(*other, p).z()) >= z - 1e-4; });
+}
+
+std::uint8_t nearest_pixel(const TrackedFrame& f, const Eigen::Vector3d& at) {
+  return f.bscan.pixels(static_cast<int>(std::floor(at.x() + 0.5)),
+                        static_cast<int>(std::floor(at.y() + 0.5)));
+}
+
+double bilinear(const TrackedFrame& f, const Eigen::Vector3d& at) {
+  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
+  const double u = at.x() - x, v = at.y() - y;
+  const auto& p = f.bscan.pixels;
+  return (1 - v) * ((1 - u) * p(x, y) + u * p(x + 1, y)) + v * ((1 - u) * p(x, y + 1) + u * p(x + 1, y + 1));
+}
+
+// The definition gives `value` at a point at most half an output pixel from p.
+bool found_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::uint8_t value) {
+  for (const TrackedFrame* f : sweep.view().frames) {
+    const Eigen::Vector3d at = foot(*f, p);
+    if (std::abs(at.z()) > 3 * pixel_mm || nearest_pixel(*f, at) != value) continue;
+    // Towards the frame, where it is nearest if anywhere.
+    const double toward = std::clamp(-at.z(), -pixel_mm / 2 - 1e-6, pixel_mm / 2 + 1e-6);
+    const Eigen::Vector3d normal = f->world_from_image.linear.col(2).normalized();
+    if (is_nearest(sweep, *f, p + toward * normal)) return true;
+  }
+  return false;
+}
+
+// `value` is a blend of two frames at most a pixel apart, on either side of p, or the end frame's beyond it.
+bool blended_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::uint8_t value) {
+  const auto beyond = [&](const TrackedFrame* end, double side) {
+    const Eigen::Vector3d at = foot(*end, p);
+    return at.z() * side > 0 && std::abs(bilinear(*end, at) - value) <= 1.5;
+  };
+  if (beyond(sweep.view().frames.front(), -1) || beyond(sweep.view().frames.back(), 1)) return true;
+  for (const TrackedFrame* a : sweep.view().frames) {
+    const Eigen::Vector3d of_a = foot(*a, p);
+    if (of_a.z() < 0 || of_a.z() > pixel_mm) continue;
+    for (const TrackedFrame* b : sweep.view().frames) {
+      const Eigen::Vector3d of_b = foot(*b, p);
+      const double gap = of_a.z() - of_b.z();
+      if (of_b.z() >= 0 || gap > pixel_mm + 1e-6) continue;
+      const double w = of_a.z() / gap;
+      if (std::abs((1 - w) * bilinear(*a, of_a) + w * bilinear(*b, of_b) - value) <= 1.5) return true;
+    }
+  }
+  return false;
+}
+
+class DenseFrames : public testing::TestWithParam<double> {};
+
+// Few of 256 values are right by chance: about as many as frames within reach.
+TEST_P(DenseFrames, KeepsTheDefinitionWithinHalfAPixel) {
+  const double spacing_mm = GetParam();
+  const int frames = static_cast<int>(10 / spacing_mm);
+  test::TestSweep sweep;
+  add_frames(sweep, frames, spacing_mm);
+  Serial serial;
+  for (const double turn_deg : {0.0, 30.0, 90.0}) {
+    const ReslicePlane plane = plane_across(turn_deg);
+    for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+      RenderSettings settings = thin_settings(interpolation);
+      const BandImage image = render_planar(sweep.view(), plane, settings, serial);
+      settings.thin_dense_frames = false;
+      const BandImage exact = render_planar(sweep.view(), plane, settings, serial);
+      for (int y = 0; y < plane.height; y += 2) {
+        for (int x = 0; x < plane.width; x += 2) {
+          const Eigen::Vector3d p =
+              (plane.origin + (x * pixel_mm) * plane.right + (y * pixel_mm) * plane.down).v;
+          ASSERT_EQ(image.coverage.view()(x, y), exact.coverage.view()(x, y));
+          if (image.coverage.view()(x, y) == 0) continue;
+          const std::uint8_t value = image.pixels.view()(x, y);
+          ASSERT_TRUE(interpolation == Interpolation::nearest ? found_near(sweep, p, value)
+                                                              : blended_near(sweep, p, value))
+              << x << "," << y << " turned by " << turn_deg << ", linear "
+              << (interpolation == Interpolation::linear);
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Spacings, DenseFrames, testing::Values(0.1, 0.07, 0.025));
+
+TEST(Thinning, LeavesOutWhatTheRuleLets) {
+  Serial serial;
+  const ReslicePlane plane = plane_across(0);
+  const auto left_out = [&](double spacing_mm, Interpolation interpolation) {
+    test::TestSweep sweep;
+    add_frames(sweep, static_cast<int>(10 / spacing_mm), spacing_mm);
+    return render_planar(sweep.view(), plane, thin_settings(interpolation), serial).frames_left_out;
+  };
+  // 100 frames half a pixel apart: every other one; 400 an eighth of a pixel apart stay 8 or so apart.
+  EXPECT_GE(left_out(0.1, Interpolation::nearest), 45);
+  EXPECT_LE(left_out(0.1, Interpolation::nearest), 55);
+  EXPECT_GE(left_out(0.025, Interpolation::nearest), 320);
+  EXPECT_GE(left_out(0.025, Interpolation::linear), 320);
+  EXPECT_EQ(left_out(0.3, Interpolation::nearest), 0);
+  EXPECT_EQ(left_out(0.3, Interpolation::linear), 0);
+}
+
+// A bundle that is the plane's, and any number of threads, leave out the same frames.
+TEST(Thinning, GivesTheSameBitsToBundlesOfAPlane) {
+  test::TestSweep sweep;
+  add_frames(sweep, 200, 0.05);
+  const ReslicePlane plane = plane_across(20);
+  const RenderSettings settings = thin_settings(Interpolation::nearest);
+  Serial serial;
+  const BandImage of_plane = render_planar(sweep.view(), plane, settings, serial);
+  const BandImage of_lines = render_lines(sweep.view(), plane_lines(plane, settings.band), settings, serial);
+  EXPECT_TRUE(test::same_bits(of_plane, of_lines));
+  EXPECT_EQ(of_plane.frames_left_out, of_lines.frames_left_out);
+  EXPECT_GT(of_plane.frames_left_out, 100);
+}
+
+}  // namespace
+}  // namespace sonoband
