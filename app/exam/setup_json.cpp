@@ -3,6 +3,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "app/exam/whole_number.h"
+
 namespace sonoband::exam {
 namespace {
 
@@ -40,8 +42,8 @@ std::string to_json(const SweepSetup& s) {
 SweepSetup setup_from_json(const std::string& text) {
   const Json json = Json::parse(text);
   SweepSetup s;
-  s.width = json.at("width_px");
-  s.height = json.at("height_px");
+  s.width = whole_int(json.at("width_px"));
+  s.height = whole_int(json.at("height_px"));
   s.kind = json.at("kind") == "doppler" ? PixelKind::doppler : PixelKind::grey;
   s.frames_per_second = json.at("frames_per_second");
   const Json& calibration = json.at("calibration");
@@ -56,12 +58,12 @@ SweepSetup setup_from_json(const std::string& text) {
     }
     s.probe_from_image = matrix;
   }
-  s.latency_offset = Duration(json.at("latency_offset_ns").get<std::int64_t>());
+  s.latency_offset = Duration(whole_number(json.at("latency_offset_ns")));
   const Json& crop = json.at("crop_px");
-  s.crop = {crop.at(0), crop.at(1), crop.at(2), crop.at(3)};
+  s.crop = {whole_int(crop.at(0)), whole_int(crop.at(1)), whole_int(crop.at(2)), whole_int(crop.at(3))};
   s.world = json.at("world");
-  s.pressed = Stamp(Duration(json.at("pressed_ns").get<std::int64_t>()));
-  s.pressed_utc_ns = json.at("pressed_utc_ns");
+  s.pressed = Stamp(Duration(whole_number(json.at("pressed_ns"))));
+  s.pressed_utc_ns = whole_number(json.at("pressed_utc_ns"));
   for (const auto& [device, version] : json.at("versions").items())
     s.versions.emplace_back(device, version.get<std::string>());
   return s;
@@ -76,7 +78,8 @@ std::string to_json(const std::vector<Counter>& counters) {
 std::vector<Counter> counters_from_json(const std::string& text) {
   const Json json = Json::parse(text);
   std::vector<Counter> counters;
-  for (const Json& c : json) counters.push_back({c.at(0), c.at(1)});
+  for (const Json& c : json)
+    counters.push_back({c.at(0), static_cast<std::uint64_t>(whole_number(c.at(1), 0))});
   return counters;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "app/exam/whole_number.h"
 #include "core/review/measure.h"
 
 namespace sonoband {
@@ -71,9 +72,7 @@ std::vector<Eigen::Matrix<double, N, 1>> points_of(const Json& json) {
 
 std::array<int, 2> size_of(const Json& json) {
   require(json.is_array() && json.size() == 2, "a size is two numbers");
-  const std::array<int, 2> size = {json.at(0).get<int>(), json.at(1).get<int>()};
-  require(size[0] > 0 && size[1] > 0 && size[0] <= 16384 && size[1] <= 16384, "a size is out of range");
-  return size;
+  return {exam::whole_int(json.at(0), 1, 16384), exam::whole_int(json.at(1), 1, 16384)};
 }
 
 ReslicePlane plane_of(const Json& json) {
@@ -103,15 +102,13 @@ int index_of(const Json& json, const std::array<const char*, N>& names) {
 }
 
 int number_of(const Json& json) {
-  const int n = json.at("number").get<int>();
-  require(n > 0 && n < 1'000'000, "its number is out of range");
-  return n;
+  return exam::whole_int(json.at("number"), 1, 999'999);
 }
 
 void read_curve(const Json& json, SweepReview& out) {
   ui::EditedCurve curve;
   curve.line = points_of<2>(json.at("line_mm"));
-  for (const Json& h : json.at("handles")) curve.handles.push_back(h.get<int>());
+  for (const Json& h : json.at("handles")) curve.handles.push_back(exam::whole_int(h));
   require(std::is_sorted(curve.handles.begin(), curve.handles.end()) &&
               (curve.handles.empty() ||
                (curve.handles.front() >= 0 && curve.handles.back() < static_cast<int>(curve.line.size()))),
@@ -158,7 +155,7 @@ void read(const exam::ReviewObject& object, const Json& json, SweepReview& out) 
       if (json.contains("plane"))
         c.plane = plane_of(json.at("plane"));
       else
-        c.captured = Stamp(Duration(json.at("captured_ns").get<std::int64_t>()));
+        c.captured = Stamp(Duration(exam::whole_number(json.at("captured_ns"))));
       c.points = points_of<3>(json.at("points_mm"));
       require(c.points.size() >= 3, "it encloses nothing");
       out.contours.push_back(std::move(c));

@@ -130,7 +130,7 @@ exchange::IgtlSettings any_port() {
 
 template <class Condition>
 bool eventually(const Condition& condition) {
-  for (int i = 0; i < 2500 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  for (int i = 0; i < 15000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   return condition();
 }
 
@@ -156,11 +156,13 @@ TEST(LiveStream, AClientSeesTheFramesThatTheSweepHolds) {
   const auto wait = [&](double s) { clock->sleep_until(clock->now() + from_seconds(s)); };
   wait(1.0);
   board.foot(true);
-  wait(0.8);
+  std::optional<Sweep> growing;
+  ASSERT_TRUE(eventually([&] { return growing || (growing = cart->take_sweep()); }));
+  ASSERT_TRUE(eventually([&] { return growing->view().frames.size() > 40; }));
   board.foot(false);
   wait(0.5);
   cart->stop();
-  const Sweep sweep = cart->take_sweep().value();
+  const Sweep& sweep = *growing;
   stream.reset();
   reading.join();
 

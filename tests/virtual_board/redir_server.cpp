@@ -40,7 +40,6 @@ constexpr std::uint8_t cancelled = 1;
 constexpr std::uint8_t stall = 4;
 constexpr std::size_t longest_message = 1 << 20;
 constexpr std::size_t most_pending = 256;
-constexpr unsigned bulk_type = 2;
 constexpr unsigned invalid_type = 255;
 
 }  // namespace

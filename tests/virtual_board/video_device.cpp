@@ -15,7 +15,6 @@ constexpr Duration exposure = std::chrono::milliseconds(0);
 
 VideoUsbDevice::VideoUsbDevice(int width, int height, int rate_hz, Clock& clock, sim::PaintFrame paint)
     : width_(width),
-      height_(height),
       rate_hz_(rate_hz),
       clock_(clock),
       paint_(std::move(paint)),

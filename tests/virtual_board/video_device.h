@@ -31,7 +31,6 @@ class VideoUsbDevice final : public UsbDevice {
   void paint_next();
 
   int width_;
-  int height_;
   int rate_hz_;
   Clock& clock_;
   sim::PaintFrame paint_;

@@ -16,6 +16,10 @@ namespace {
 constexpr int shrink = 4;
 // Within one distribution processors differ by up to 4; on another, glyphs do.
 constexpr int tolerance = 8;
+// A wide line of the Outline wins or loses one of a pixel's four samples where another compiler rounds the
+// last bit of its corners differently: up to 57 levels of 36 pixels at full size, clang against GCC.
+constexpr int edge_tolerance = 24;
+constexpr int most_edges = 30;  // values, three a pixel
 
 std::filesystem::path golden_folder() {
   return std::filesystem::path(SONOBAND_SOURCE_DIR) / "tests/golden/screen";
@@ -71,15 +75,18 @@ void expect_golden(ScreenCart& cart, const std::string& name, std::initializer_l
   ASSERT_EQ(golden.width, got.width) << name;
   ASSERT_EQ(golden.height, got.height) << name;
   int worst = 0;
+  int edges = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < got.bytes.size(); ++i) {
     const int off = std::abs(int{got.bytes[i]} - int{golden.bytes[i]});
     if (off > worst) at = i;
     worst = std::max(worst, off);
+    edges += off > tolerance;
   }
   const int pixel = static_cast<int>(at / 3);
-  EXPECT_LE(worst, tolerance) << name << ": at " << shrink * (pixel % got.width) << ", "
-                              << shrink * (pixel / got.width);
+  EXPECT_LE(worst, edge_tolerance) << name << ": at " << shrink * (pixel % got.width) << ", "
+                                   << shrink * (pixel / got.width);
+  EXPECT_LE(edges, most_edges) << name;
 }
 
 }  // namespace sonoband::test

@@ -71,7 +71,10 @@ TEST(ReviewObjects, WhatIsReadIsWhatWasWrittenToTheLastBit) {
 TEST(ReviewObjects, OneThatHoldsSomethingElseIsNamedAndTheOthersStay) {
   for (const char* bad :
        {"", "[]", "{}", R"({"number":1,"position_mm":[1,2]})", R"({"number":1,"position_mm":[1,2,"x"]})",
-        R"({"number":-4,"position_mm":[1,2,3]})", R"({"number":1e99,"position_mm":[1,2,3]})"}) {
+        R"({"number":-4,"position_mm":[1,2,3]})", R"({"number":1e99,"position_mm":[1,2,3]})",
+        R"({"number":4294967297,"position_mm":[1,2,3]})",
+        R"({"number":18446744073709551617,"position_mm":[1,2,3]})",
+        R"({"number":1.5,"position_mm":[1,2,3]})"}) {
     std::vector<exam::ReviewObject> objects = objects_of(some_review(3), 1);
     exam::ReviewObject landmark;
     landmark.object = "sweep1/landmark-9";
