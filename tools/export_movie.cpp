@@ -30,7 +30,7 @@ fs::path write_turn(const MovieOptions& options, const fs::path& file, std::int6
   turn.axis = options.axis == "down" ? exchange::TurnAxis::down : exchange::TurnAxis::right;
   turn.pictures = options.pictures;
   turn.pictures_per_second = options.pictures_per_second;
-  const fs::path path = folder / (name + "-turn.webm");
+  fs::path path = folder / (name + "-turn.webm");
   if (swept.empty())
     throw BadInput(name +
                    ": no frame of it has a place in space, so there is nothing to turn; export it without "
