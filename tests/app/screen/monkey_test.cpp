@@ -331,8 +331,10 @@ TEST(Monkey, NeitherCrashesNorLosesASweepNorGrows) {
   std::printf("%ld actions; exams page %ld, contours %ld, exports %ld done, %ld failed, %ld cancelled\n",
               actions, seen.exams_pages, seen.contours, seen.exports_done, seen.exports_failed,
               seen.exports_cancelled);
-  // Fonts and pictures of larger windows come and go; a leak of a frame's picture would be 300 KiB each.
-  EXPECT_LT(resident_kib() - early_kib, 100 * 1024);
+  // Fonts, pictures of larger windows and a drag's layers come and go; a leak of a frame's picture would be
+  // 300 KiB each.
+  const auto layers_kib = static_cast<long>(RenderLimits{}.layer_bytes >> 10);
+  EXPECT_LT(resident_kib() - early_kib, 100 * 1024 + layers_kib);
 }
 
 }  // namespace

@@ -371,6 +371,7 @@ TEST(RenderWorker, WhereTheBudgetIsTooSmallACoarsePictureComesFirstAndOnlyWhileA
   EXPECT_EQ(coarse.plane.width, 39);
   RenderSettings every_second = request.settings;
   every_second.band = coarse_band(request.settings.band, 2);
+  every_second.thin_dense_frames = true;  // as for any band under a moving finger
   EXPECT_TRUE(same(coarse.band, render_planar(sweep.view(), coarse.plane, every_second, serial)));
   EXPECT_TRUE(shown[1]->manifold->coarse);
   const RenderResult& last = *shown.back();
