@@ -9,6 +9,7 @@ namespace {
 
 constexpr Duration look_again = std::chrono::seconds(1);
 constexpr Duration travel = std::chrono::milliseconds(50);  // of a changeover contact; longer is a fault
+constexpr Duration between_looks = std::chrono::milliseconds(250);  // at the levels while no edge comes
 constexpr Duration believable_age = std::chrono::seconds(1);
 constexpr std::size_t most_pedals = 4;
 
@@ -93,6 +94,8 @@ bool ContactFootswitch::connect() {
     return false;
   }
   open_ = true;
+  unsettled_ = false;
+  differs_since_.reset();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     contacts_[i].sequence.reset();
     if (!reread(contacts_[i], static_cast<int>(i))) return false;
@@ -176,10 +179,11 @@ void ContactFootswitch::resume(std::size_t contact, Stamp t, std::uint32_t misse
 }
 
 // When the last edges of a burst are the lost ones, none behind them tells: the kernel keeps 16 of a line and
-// drops the newest. So once all is quiet the levels are compared. An edge on its way is no lost one: only a
-// difference that stays is.
+// drops the newest. So once all is quiet the levels are compared, and now and then from then on: a lone edge
+// may be lost long after the last, and a sweep would go on until somebody presses again. An edge on its way
+// is no lost one: only a difference that stays is.
 void ContactFootswitch::settle(Stamp now) {
-  if (!unsettled_) return;
+  if (!unsettled_ && now < next_look_) return;
   std::array<bool, 2 * most_pedals> level{};
   bool differs = false;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -189,8 +193,9 @@ void ContactFootswitch::settle(Stamp now) {
     differs = differs || *read != contacts_[i].active;
   }
   if (differs && !differs_since_) differs_since_ = now;
-  if (differs && now - *differs_since_ < travel) return;
-  unsettled_ = false;
+  unsettled_ = differs && now - *differs_since_ < travel;
+  if (unsettled_) return;
+  next_look_ = now + between_looks;
   differs_since_.reset();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (std::exchange(contacts_[i].active, level[i]) != level[i]) resume(i, now, 1);

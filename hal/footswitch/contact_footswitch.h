@@ -5,7 +5,8 @@
 // milliseconds of its travel. Such a pedal counts as released.
 //
 // Edges that were lost (the kernel's count jumps, the same level comes twice, the queue overflowed) move the
-// sequence on, and the level is read again.
+// sequence on, and the level is read again. It is looked at four times a second as well, so that a lone edge
+// that was lost is found.
 #pragma once
 
 #include <array>
@@ -70,8 +71,9 @@ class ContactFootswitch final : public Footswitch {
   bool started_ = false;
   bool open_ = false;
   Stamp next_open_{};
-  bool unsettled_ = false;              // edges came since the levels were last compared
+  bool unsettled_ = false;              // edges came since the levels were last compared, or they differ
   std::optional<Stamp> differs_since_;  // a level from what the edges said
+  Stamp next_look_{};                   // at the levels, though no edge came
 
   std::array<PedalEdge, 16> pending_{};  // circular
   std::size_t first_ = 0;

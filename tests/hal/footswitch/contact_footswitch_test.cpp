@@ -45,6 +45,42 @@ TEST(ContactFootswitch, EdgesLostAtTheEndOfABurstAreSeenByTheLevel) {
   EXPECT_EQ(rig.edges.size(), 5u);
 }
 
+// The release, and later a press: each alone, seconds after the last edge and with none behind it.
+TEST(ContactFootswitch, ALoneLostEdgeIsFoundWithinAThirdOfASecond) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}};
+  rig.run_to(5);
+  ASSERT_EQ(rig.edges.size(), 2u);
+  for (const bool down : {false, true}) {
+    const double lost_s = down ? 9 : 5;
+    rig.edges.clear();
+    rig.wires.levels[0] = down;
+    rig.run_to(lost_s + 3);
+    ASSERT_EQ(rig.edges.size(), 1u);
+    EXPECT_EQ(rig.edges[0].closed, down);
+    EXPECT_EQ(rig.edges[0].sequence, down ? 5u : 3u) << "one is missing before it";
+    EXPECT_GE(rig.edges[0].time, at(lost_s + 0.05)) << "at the time it was found: when it was is not known";
+    EXPECT_LE(rig.edges[0].time, at(lost_s + 0.35));
+    EXPECT_EQ(rig.health().lost, down ? 2u : 1u);
+    rig.run_to(lost_s + 4);
+  }
+}
+
+// Shorter than the level is watched for: no edge was lost, its stamps would be made up.
+TEST(ContactFootswitch, ALevelThatDiffersForAMomentIsNoLostEdge) {
+  Rig rig;
+  rig.wires.events = {{1, 0, true}};
+  rig.run_to(3);
+  for (int i = 0; i < 50; ++i) {
+    rig.wires.levels[0] = false;
+    rig.run_to(3 + 0.2 * i + 0.02);
+    rig.wires.levels[0] = true;
+    rig.run_to(3 + 0.2 * i + 0.2);
+  }
+  EXPECT_EQ(rig.edges.size(), 2u);
+  EXPECT_EQ(rig.health().lost, 0u);
+}
+
 TEST(ContactFootswitch, AnEdgeOnItsWayIsNoLostOne) {
   Rig rig;
   rig.wires.events = {{1, 0, true}};
@@ -83,7 +119,7 @@ TEST(ContactFootswitch, WithoutACountTheSameLevelTwiceIsALostEdge) {
 TEST(ContactFootswitch, AnOverflowReadsEveryLevel) {
   Rig rig;
   rig.wires.events = {{1, 0, true}, {1.5, 0, false, 0, ContactStatus::overflow}};
-  rig.run_to(1.2);
+  rig.run_to(1.48);
   rig.wires.levels[0] = false;
   rig.run_to(2);
   ASSERT_EQ(rig.edges.size(), 3u);
