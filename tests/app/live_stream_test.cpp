@@ -275,7 +275,7 @@ TEST(LiveStream, TheScreenHandsOverTheBandItShowsAndSaysThatItSends) {
   settings.screen.stream = [] { return ui::StreamStatus{true, true, 18944, 2}; };
   test::ScreenCart cart(settings);
   cart.play("wait 2\npress\nwait 1\nrelease\nawait review 5\nwait 0.5\n");
-  cart.shot("stream");
+  cart.show("stream");
   cart.loop().listen(cart.clock().now());
   EXPECT_TRUE(cart.has("status/stream"));
   ASSERT_FALSE(bands.empty());

@@ -192,6 +192,7 @@ ui::View set_up_view() {
 }
 
 Bench::Bench(int width, int height, float scale) : surface(width, height) {
+  if (std::getenv("SONOBAND_SHOTS") == nullptr) surface.without_pixels();
   surface.begin_frame();
   screen = std::make_unique<ui::Screen>(ui::ScreenSettings{0, scale}, load_fonts(), ui::Texts{});
 }
@@ -278,16 +279,15 @@ std::vector<ui::Command> Bench::pinch(const ui::View& view, ui::Vec2 centre, flo
   return all;
 }
 
-ui::Rgba Bench::shot(const std::string& name) {
-  ui::Rgba rgba = surface.read();
-  if (const char* folder = std::getenv("SONOBAND_SHOTS")) {
-    std::ofstream out(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
-    out << "P6\n" << rgba.width << " " << rgba.height << "\n255\n";
-    for (std::size_t i = 0; i < rgba.bytes.size(); i += 4) {
-      out.write(reinterpret_cast<const char*>(rgba.bytes.data() + i), 3);
-    }
+void Bench::shot(const std::string& name) {
+  const char* folder = std::getenv("SONOBAND_SHOTS");
+  if (folder == nullptr) return;
+  const ui::Rgba rgba = surface.read();
+  std::ofstream out(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
+  out << "P6\n" << rgba.width << " " << rgba.height << "\n255\n";
+  for (std::size_t i = 0; i < rgba.bytes.size(); i += 4) {
+    out.write(reinterpret_cast<const char*>(rgba.bytes.data() + i), 3);
   }
-  return rgba;
 }
 
 }  // namespace sonoband::test

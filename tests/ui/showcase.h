@@ -44,8 +44,8 @@ class Bench {
                                  float turn_rad = 0);
   ui::Rect find(const std::string& name);  // in the last frame
 
-  // With `SONOBAND_SHOTS` set, writes the last frame there as NAME.png.
-  ui::Rgba shot(const std::string& name);
+  // With `SONOBAND_SHOTS` set, writes the last frame there as NAME.ppm; without, frames have no pixels.
+  void shot(const std::string& name);
 
   ui::HeadlessSurface surface;
   std::unique_ptr<ui::Screen> screen;

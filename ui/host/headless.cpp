@@ -101,6 +101,7 @@ void HeadlessSurface::poll(Input& input, Stamp, Duration) {
 void HeadlessSurface::begin_frame() {
   egl_->make_current();
   glBindFramebuffer(GL_FRAMEBUFFER, egl_->framebuffer);
+  if (!rasterised_) glEnable(GL_RASTERIZER_DISCARD);
 }
 
 void HeadlessSurface::end_frame() {

@@ -25,6 +25,9 @@ class HeadlessSurface final : public Surface {
   Rgba read() override;  // also after end_frame
 
   void resize(int width, int height);
+  // Without pixels all is drawn as ever, but nothing rasterised and what read() gives is undefined: on a
+  // software rasteriser that is most of the work. Asked for before the first frame, for whoever never looks.
+  void without_pixels() { rasterised_ = false; }
   void finish();  // waits until all is drawn that was asked for: for timings
   Input& inject() { return injected_; }
 
@@ -32,6 +35,7 @@ class HeadlessSurface final : public Surface {
   struct Egl;
   std::unique_ptr<Egl> egl_;
   Input injected_;
+  bool rasterised_ = true;
 };
 
 }  // namespace sonoband::ui

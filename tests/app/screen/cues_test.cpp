@@ -74,7 +74,7 @@ TEST(SoundOnTheScreen, WithoutALoudspeakerSetUpSaysSo) {
   cart.play("await live 5\ntap rail/set-up\n");
   EXPECT_FALSE(cart.has("set-up/no-sound")) << "nobody makes a sound here";
   cart.loop().give_sound(&player);
-  cart.shot();
+  cart.draw();
   EXPECT_TRUE(cart.has("set-up/no-sound"));
   EXPECT_FALSE(cart.has("set-up/sound-on"));
 }

@@ -127,7 +127,9 @@ TEST(ExamsOnTheScreen, WhatReviewMadeComesBackInALaterRunAfterAKill) {
   Pixels band;
   std::size_t frames = 0;
   {
-    ScreenCart cart(saving_into(folder));
+    ScreenCartSettings settings = saving_into(folder);
+    settings.pixels = true;  // of the snapshot
+    ScreenCart cart(settings);
     record_and_review(cart);
     made = review_shown(cart);
     EXPECT_EQ(made.size(), 5u);  // plane, band, curve, landmark, measurement

@@ -83,7 +83,9 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 
 TEST(ExportOnTheScreen, AnExamGoesToTheFolderAndReadsBack) {
   const fs::path folder = scratch_folder();
-  ScreenCart cart(exporting(folder));
+  ScreenCartSettings settings = exporting(folder);
+  settings.pixels = true;
+  ScreenCart cart(settings);
   record(cart);
   open_sheet(cart);
   EXPECT_EQ(transfer(cart).phase, ExportPhase::idle);

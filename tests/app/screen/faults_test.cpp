@@ -13,7 +13,7 @@ const Stamp start{seconds(1000)};
 
 std::string fault_of(ScreenCart& cart) {
   const ui::Texts texts;
-  cart.shot();
+  cart.draw();
   return std::string(ui::worst_fault(cart.loop().view(), texts).title);
 }
 
@@ -31,7 +31,7 @@ TEST(Faults, TrackerUnplugged) {
   EXPECT_EQ(fault_of(cart), "");
   cart.play("wait 2.5\n");
   EXPECT_EQ(fault_of(cart), t.no_tracker);
-  cart.shot("fault-tracker");
+  cart.show("fault-tracker");
   EXPECT_FALSE(cart.loop().view().live.pose);
   cart.play("wait 6\n");
   EXPECT_EQ(fault_of(cart), "");
@@ -45,7 +45,7 @@ TEST(Faults, VideoStallsInASweepAndTheSweepIsKept) {
   ScreenCart cart(with({{stall}, {}, {}}));
   const ui::Texts t;
   cart.play("await live 5\nwait 2\npress\nwait 3.5\n");
-  cart.shot("fault-video");
+  cart.show("fault-video");
   EXPECT_EQ(fault_of(cart), t.scanner_silent);
   EXPECT_TRUE(cart.loop().view().live.picture.pixels.empty()) << "an old picture passes for a live one";
   EXPECT_EQ(cart.loop().session().sweep_count(), 1u);
@@ -65,10 +65,10 @@ TEST(Faults, ScannerFrozenAndVideoCableOut) {
   ScreenCart cart(with({{freeze, out}, {}, {}}));
   const ui::Texts t;
   cart.play("await live 5\nwait 4\n");
-  cart.shot("fault-frozen");
+  cart.show("fault-frozen");
   EXPECT_EQ(fault_of(cart), t.scanner_frozen);
   cart.play("wait 4\n");
-  cart.shot("fault-cable");
+  cart.show("fault-cable");
   EXPECT_EQ(fault_of(cart), t.no_scanner);
   cart.play("wait 4\n");
   EXPECT_EQ(fault_of(cart), "");
@@ -78,7 +78,7 @@ TEST(Faults, PedalUnplugged) {
   ScreenCart cart(with({{}, {}, {{sim::PedalFault::Kind::unplug, seconds(2), seconds(60)}}}));
   const ui::Texts t;
   cart.play("await live 5\nwait 3\n");
-  cart.shot("fault-pedal");
+  cart.show("fault-pedal");
   EXPECT_EQ(fault_of(cart), t.no_pedal);
 }
 
@@ -87,7 +87,7 @@ TEST(Faults, MemoryForASweepIsFull) {
   settings.ring_frames = 90;
   ScreenCart cart(settings);
   cart.play("await live 5\nwait 1.5\npress\nwait 5\n");
-  cart.shot("fault-full");
+  cart.show("fault-full");
   // What was recorded is kept and shown.
   EXPECT_EQ(cart.loop().state(), cart::State::review);
   EXPECT_EQ(cart.loop().session().sweep_count(), 1u);

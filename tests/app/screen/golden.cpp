@@ -55,7 +55,8 @@ exchange::PngPicture shrunk(const ui::Rgba& all, const std::vector<ui::Rect>& bl
 }  // namespace
 
 void expect_golden(ScreenCart& cart, const std::string& name, std::initializer_list<const char*> varying) {
-  const ui::Rgba all = cart.shot(name);
+  cart.show(name);
+  const ui::Rgba all = cart.shot();
   std::vector<ui::Rect> blank;
   std::vector<std::string> widgets = {"status/storage", "set-up/devices", "set-up/storage"};
   widgets.insert(widgets.end(), varying.begin(), varying.end());

@@ -65,6 +65,8 @@ ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settin
   member_.emplace(*clock_);
   cart_->start();
   surface_ = std::make_unique<ui::HeadlessSurface>(settings_.screen.width, settings_.screen.height);
+  settings_.pixels = settings_.pixels || std::getenv("SONOBAND_SHOTS") != nullptr;
+  if (!settings_.pixels) surface_->without_pixels();
   loop_ = std::make_unique<ScreenLoop>(*cart_, foot_, settings_.screen, *surface_);
   player_ = std::make_unique<Player>(*cart_, foot_, *loop_, "script");
   player_->frame();
@@ -82,23 +84,28 @@ void ScreenCart::play(const std::string& script) {
   for (const script::Step& step : script::parse(script, "script")) player_->play(step);
 }
 
-ui::Rgba ScreenCart::shot() {
+void ScreenCart::draw() {
   loop_->wait_for_renderings();
   for (int i = 0; i < 2; ++i) loop_->draw({}, clock_->now());
   EXPECT_EQ(loop_->screen().counts().gl_errors, 0u);
+}
+
+ui::Rgba ScreenCart::shot() {
+  EXPECT_TRUE(settings_.pixels) << "ask for ScreenCartSettings::pixels";
+  draw();
   surface_->begin_frame();
   return surface_->read();
 }
 
-ui::Rgba ScreenCart::shot(const std::string& name) {
+void ScreenCart::show(const std::string& name) {
+  draw();
+  const char* folder = std::getenv("SONOBAND_SHOTS");
+  if (folder == nullptr) return;
   const ui::Rgba all = shot();
-  if (const char* folder = std::getenv("SONOBAND_SHOTS")) {
-    exchange::PngPicture png{all.width, all.height, 3, {}, 0, {}};
-    for (std::size_t i = 0; i < all.bytes.size(); i += 4)
-      png.bytes.insert(png.bytes.end(), &all.bytes[i], &all.bytes[i] + 3);
-    exchange::write_png(png, std::filesystem::path(folder) / (name + ".png"));
-  }
-  return all;
+  exchange::PngPicture png{all.width, all.height, 3, {}, 0, {}};
+  for (std::size_t i = 0; i < all.bytes.size(); i += 4)
+    png.bytes.insert(png.bytes.end(), &all.bytes[i], &all.bytes[i] + 3);
+  exchange::write_png(png, std::filesystem::path(folder) / (name + ".png"));
 }
 
 std::filesystem::path scratch_folder() {

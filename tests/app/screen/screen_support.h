@@ -27,6 +27,8 @@ struct ScreenCartSettings {
   std::uint32_t ring_frames = 300;
   double frames_hz = 30;
   std::filesystem::path exams;  // empty: nothing is saved
+  // For tests that look at the picture; all have it where SONOBAND_SHOTS is set.
+  bool pixels = false;
 };
 
 // The clock starts at 1000 s. One at a time; the thread that makes it plays.
@@ -36,10 +38,12 @@ class ScreenCart {
   ~ScreenCart();  // stops the cart
 
   void play(const std::string& script);
-  // Pixels of the screen drawn anew; fails the test when GL had an error since the start.
+  // The screen drawn anew with all it waits for; fails the test when GL had an error since the start.
+  void draw();
+  // Draws, and gives the pixels; fails the test when the cart has none.
   ui::Rgba shot();
-  // With SONOBAND_SHOTS set, also as NAME.png there.
-  ui::Rgba shot(const std::string& name);
+  // Draws; with SONOBAND_SHOTS set, NAME.png there.
+  void show(const std::string& name);
   bool has(const std::string& widget) const { return loop().screen().widgets().find(widget).has_value(); }
   ScreenLoop& loop() const { return *loop_; }
   Player& player() { return *player_; }

@@ -25,6 +25,7 @@ TEST_P(Whole, FromBootToASecondSweep) {
   settings.screen.height = look.height;
   settings.screen.scale = look.scale;
   settings.screen.shots = scratch_folder();
+  settings.pixels = true;
   ScreenCart cart(settings);
   const auto golden = [&](const std::string& state) { expect_golden(cart, state + look.name); };
 
