@@ -2,24 +2,17 @@
 // was told to be on the disk is there, to the last bit, in the exam of this run and in an earlier one.
 // SONOBAND_CRASH_MOMENTS says how often; tools/crash-tests makes the README's row of it.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <thread>
 
-#include "app/cart_on_board.h"
 #include "app/exam/exam_folder.h"
 #include "app/exam/exam_reader.h"
 #include "app/exam/exam_writer.h"
 #include "app/screen/exam_desk.h"
-#include "tests/app/exam/exam_support.h"
+#include "tests/app/exam/crash_support.h"
 
 namespace sonoband::test {
 namespace {
@@ -132,24 +125,14 @@ class Reviewer {
 };
 
 [[noreturn]] void review_until_killed(const fs::path& place, Diary& diary) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  Profile profile;
-  profile.capture.rate_hz = 60;
-  profile.capture.crop_px = {200, 100, 160, 120};
-  profile.ring.frames = 400;
-  profile.ring.pre_roll_s = 0.2;
-  profile.exams.reserve_mb = 0;
-  const auto clock = std::make_shared<SystemClock>();
-  BoardDevices board = make_sim_board(profile, *clock);
-  const auto cart = make_appliance(board, profile, clock, place);
-  cart->start();
-  Reviewer reviewer(*cart, diary);
+  exam::test::SmallCart small(place, 400);
+  Reviewer reviewer(*small.cart, diary);
   for (std::int64_t i = 0;; ++i) {
     const std::int64_t moment = i % 100;
-    if (moment == 10) static_cast<void>(board.foot(true));
-    if (moment == 40) static_cast<void>(board.foot(false));
+    if (moment == 10) static_cast<void>(small.board.foot(true));
+    if (moment == 40) static_cast<void>(small.board.foot(false));
     if (moment == 70) reviewer.open_earlier();
-    static_cast<void>(cart->status());
+    static_cast<void>(small.cart->status());
     reviewer.follow();
     // Not while a sweep grows: the screen is on its Live page then.
     if (moment < 10 || moment > 45) reviewer.make_something(i);
@@ -180,30 +163,22 @@ std::int64_t landmarks_in(const fs::path& file) {
 
 TEST(Crash, CartKilledAtRandomMomentsOfRecordingAndReviewing) {
   const exam::test::TemporaryFolder folder;
-  const char* asked = std::getenv("SONOBAND_CRASH_MOMENTS");
-  const int count = asked == nullptr ? 3 : std::atoi(asked);
+  const int count = exam::test::moments(3);
   std::mt19937_64 random(13);
-  void* shared = ::mmap(nullptr, sizeof(Diary), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(shared, MAP_FAILED);
+  exam::test::SharedDiary<Diary> shared;
   make_earlier(folder.path() / "made");
   std::int64_t acknowledged = 0;
   std::int64_t set = 0;
   std::int64_t lost = 0;
   int while_reviewing = 0;
   for (int i = 0; i < count; ++i) {
-    Diary& diary = *::new (shared) Diary;
+    Diary& diary = shared.blank();
     const fs::path place = folder.path() / std::to_string(i);
     fs::copy(folder.path() / "made", place);
-    std::fflush(nullptr);
-    const ::pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) review_until_killed(place, diary);
+    const ::pid_t child = exam::test::start_child([&] { review_until_killed(place, diary); });
     EXPECT_TRUE(exam::test::eventually([&] { return diary.frames > 0; }));
     ::usleep(static_cast<::useconds_t>(random() % 1'600'000));
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    ASSERT_TRUE(WIFSIGNALED(status)) << "ended by itself with " << status;
+    exam::test::kill_child(child);
     const exam::ExamFolder exams(place, exam::ExamFolder::Use::cart);  // the next start
     // Its sweep had its end before; a torn batch of review is all that can be cut off of it.
     for (const std::string& sentence : exams.recovered())
@@ -228,15 +203,14 @@ TEST(Crash, CartKilledAtRandomMomentsOfRecordingAndReviewing) {
     std::error_code none;
     fs::remove_all(place, none);
   }
-  ::munmap(shared, sizeof(Diary));
   if (count > 20) {
     EXPECT_GT(acknowledged, 0);
   }
-  std::printf(
-      "crash-table | kill -9 of a cart that records, reviews and reviews an earlier exam | %d | %s %lld "
-      "acknowledged of %lld landmarks set; %d times in the midst of reviewing |\n",
-      count, lost == 0 ? "nothing acknowledged lost:" : "LOST some:", static_cast<long long>(acknowledged),
-      static_cast<long long>(set), while_reviewing);
+  exam::test::table_row("kill -9 of a cart that records, reviews and reviews an earlier exam", count,
+                        (lost == 0 ? "nothing acknowledged lost: " : "LOST some: ") +
+                            std::to_string(acknowledged) + " acknowledged of " + std::to_string(set) +
+                            " landmarks set; " + std::to_string(while_reviewing) +
+                            " times in the midst of reviewing");
 }
 
 }  // namespace
