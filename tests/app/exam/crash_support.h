@@ -49,7 +49,7 @@ void record_script(const std::filesystem::path& file, const std::string& vfs, co
 // Sentences about what was acknowledged and is not there.
 std::vector<std::string> broken_promises(const std::filesystem::path& file, const Acknowledged& done);
 
-// A `Diary` in memory that a child shares with its parent; the child is killed with the object.
+// A `Diary` in memory that a child shares with its parent.
 template <class Diary>
 class SharedDiary {
  public:
