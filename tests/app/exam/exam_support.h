@@ -26,8 +26,8 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-// Runs `body` in a child process on a file system of its own of so many bytes; what fails there fails here.
-// Where the system lets nobody mount one, says so and runs nothing.
+// Runs `body` on a file system of its own of so many bytes, in a child process that runs the same test up to
+// here; what fails there fails here. Where the system lets nobody mount one, says so and runs nothing.
 void on_small_disk(std::int64_t bytes, const std::function<void(const std::filesystem::path&)>& body);
 
 // Pixels, pose and stamps of frame `number`: functions of the number and the seed alone. Each third picture
