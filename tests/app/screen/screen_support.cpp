@@ -21,6 +21,7 @@ struct Parts {
 BoardDevices faulty_board(const ScreenCartSettings& settings, Clock& clock) {
   auto parts = std::make_shared<Parts>();
   parts->scene = sim::make_scene({});
+  if (!settings.pixels) parts->scene.scanner.beams = 48;  // a quarter of the echoes, where nobody looks
   const sim::SimulatedScene& scene = parts->scene;
   sim::LibertySimConfig liberty;
   liberty.unit.seed = scene.seed;
@@ -55,6 +56,7 @@ BoardDevices faulty_board(const ScreenCartSettings& settings, Clock& clock) {
 }  // namespace
 
 ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settings)) {
+  settings_.pixels = settings_.pixels || std::getenv("SONOBAND_SHOTS") != nullptr;
   BoardDevices board = faulty_board(settings_, *clock_);
   Profile profile;
   profile.ring.frames = static_cast<int>(settings_.ring_frames);
@@ -65,7 +67,6 @@ ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settin
   member_.emplace(*clock_);
   cart_->start();
   surface_ = std::make_unique<ui::HeadlessSurface>(settings_.screen.width, settings_.screen.height);
-  settings_.pixels = settings_.pixels || std::getenv("SONOBAND_SHOTS") != nullptr;
   if (!settings_.pixels) surface_->without_pixels();
   loop_ = std::make_unique<ScreenLoop>(*cart_, foot_, settings_.screen, *surface_);
   player_ = std::make_unique<Player>(*cart_, foot_, *loop_, "script");
