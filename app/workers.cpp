@@ -9,7 +9,7 @@ Workers::Workers(int threads) {
 }
 
 Workers::~Workers() {
-  ending_ = true;
+  ending_.store(true, std::memory_order_relaxed);
   generation_.fetch_add(1, std::memory_order_release);
   generation_.notify_all();
   for (std::thread& t : threads_) t.join();
@@ -52,7 +52,7 @@ void Workers::serve() {
   for (std::uint32_t seen = 0;;) {
     generation_.wait(seen, std::memory_order_acquire);
     seen = generation_.load(std::memory_order_acquire);
-    if (ending_) return;
+    if (ending_.load(std::memory_order_relaxed)) return;
     if (!enter()) continue;
     take_part(*body_, count_);
     leave();

@@ -34,7 +34,7 @@ class Workers final : public Parallel {
   std::atomic<std::uint32_t> inside_{0};  // threads in the job, and `open` while it may be entered
   const std::function<void(int)>* body_ = nullptr;
   int count_ = 0;
-  bool ending_ = false;
+  std::atomic<bool> ending_{false};  // may be looked at by a thread that wakes late for the last job
   std::vector<std::thread> threads_;
 };
 
