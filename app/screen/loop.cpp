@@ -54,7 +54,7 @@ int threads_for_rendering() {
 }  // namespace
 
 ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options,
-                       ui::Surface& surface, std::function<void()> rendered)
+                       ui::Surface& surface, const std::function<void()>& rendered)
     : cart_(cart),
       foot_(foot),
       options_(options),

@@ -20,7 +20,7 @@ class ScreenLoop {
  public:
   // `rendered` is called on another thread when a rendering is done, for a surface that sleeps.
   ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, ui::Surface& surface,
-             std::function<void()> rendered = {});
+             const std::function<void()>& rendered = {});
 
   // Takes what the cart has to say. True: there is something new to draw.
   bool listen(Stamp now);

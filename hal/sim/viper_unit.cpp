@@ -184,8 +184,8 @@ void ViperUnit::send(const WireBytes& body, char kind, int record_station, Stamp
       sink_(t, junk.view(), 0);
     }
     if (once(FaultKind::flipped_size, value)) {
-      const int bit = static_cast<int>(value) % 32;
-      out.data[static_cast<std::size_t>(4 + bit / 8)] ^= static_cast<std::uint8_t>(1 << bit % 8);
+      const std::size_t bit = static_cast<std::size_t>(value) % 32;
+      out.data[4 + bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
     }
     if (once(FaultKind::dropped_byte, value)) {
       const auto at = out.data.begin() +

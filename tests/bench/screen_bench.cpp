@@ -46,7 +46,7 @@ struct Series {
 // What a hand does, over and over: 5 s live with a sweep, then drags of the plane at 60 events a second.
 class Hand {
  public:
-  Hand(cart::Appliance& cart, const Foot& foot, ScreenLoop& loop) : cart_(cart), foot_(foot), loop_(loop) {}
+  Hand(const Foot& foot, ScreenLoop& loop) : foot_(foot), loop_(loop) {}
 
   // Adds to `input` what happens at `t` seconds of the session.
   void act(double t, ui::Input& input, Stamp now) {
@@ -77,7 +77,6 @@ class Hand {
     for (const auto kind : {ui::Contact::Kind::down, ui::Contact::Kind::up})
       input.contacts.push_back({now, kind, 0, widget->rect.centre(), 8});
   }
-  cart::Appliance& cart_;
   const Foot& foot_;
   ScreenLoop& loop_;
   bool pedal_ = false;
@@ -156,7 +155,7 @@ void measure(double length_s) {
   {
     ui::HeadlessSurface surface(1280, 800);
     ScreenLoop loop(*cart, board.foot, {}, surface);
-    Hand hand(*cart, board.foot, loop);
+    Hand hand(board.foot, loop);
     Series view{"the cart's news into the view, cpu ms", {}}, panels{"panels built, cpu ms", {}};
     Series outside{"a frame outside the rasteriser, cpu ms", {}};
     Series live_frames{"a frame of Live with the rasteriser, cpu ms", {}};

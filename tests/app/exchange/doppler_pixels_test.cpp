@@ -89,10 +89,12 @@ TEST(DopplerPixels, BecomeKeysAndWhatTheScannerDrawsIsMasked) {
   ASSERT_EQ(s.frame_bytes(), std::size_t{width} * height);
   for (int f = 0; f < frames; ++f) {
     const auto keys = s.frame_pixels(f);
-    const auto key = [&](int x, int y) { return keys[static_cast<std::size_t>(y * width + x)]; };
+    const auto key = [&](int x, int y) {
+      return keys[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+    };
     EXPECT_NEAR(doppler::velocity(key(11, 8)), level(f), 4) << f;
     EXPECT_NEAR(doppler::velocity(key(10, 9)), -level(f), 4) << f;
-    EXPECT_NEAR(key(15, 9), (60 + (15 * 7 + 9 * 13 + f * 29) % 120) / 2, 1) << f;
+    EXPECT_NEAR(key(15, 9), (60 + (15 * 7 + 9 * 13 + f * 29) % 120) / 2.0, 1) << f;
   }
   EXPECT_EQ(s.frame_pixels(3)[3 * width + 14], 0) << "a passing hue that is no velocity";
   for (int y = 0; y < height; ++y) EXPECT_EQ(mask.view()(5, y), 0) << y;

@@ -113,7 +113,7 @@ std::filesystem::path scratch_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string("sonoband-") + test->test_suite_name() + "-" + test->name();
   for (char& c : name) c = c == '/' ? '-' : c;
-  const auto folder = std::filesystem::temp_directory_path() / name;
+  auto folder = std::filesystem::temp_directory_path() / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

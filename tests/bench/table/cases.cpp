@@ -125,7 +125,7 @@ void add_planar(const Shared& bench, std::vector<Case>& cases) {
 // and the slab count.
 void add_first_picture(const Shared& bench, std::vector<Case>& cases) {
   const auto planes = test::speed_planes();
-  const test::NamedPlane plane = planes.front();
+  const test::NamedPlane& plane = planes.front();
   const RenderSettings settings = settings_of(Interpolation::nearest, Compounding::maximum, 14);
   Case c;
   c.name = "last frame to first picture N=200";
