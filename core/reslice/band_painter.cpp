@@ -103,11 +103,18 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
   paint_shares(candidates, frames, {0, place_.layers});
 }
 
+void BandPainter::thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) {
+  if (thin_mm_ == 0) return;
+  const std::size_t members = chain.members.size();
+  thin_chain(table(), candidates, box, thin_mm_, interpolation(), chain);
+  left_out_.add(members, chain.members.size());
+}
+
 // A patch of a tile whose frames are no chain throughout.
 void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
                               const std::vector<int>& frames) {
   std::vector<Candidate> candidates;
-  const SampleBox box = box_of(lattice, block);
+  const SampleBox box = box_of(block);
   cull(table(), frames, box, interpolation(), candidates);
   if (candidates.empty()) {
     blank(block);
@@ -116,17 +123,20 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
   if (make_chain(table(), candidates, box, chain)) {
+    thin(candidates, box, chain);
     lay_out(lattice, tile_, chain, candidates, box, block.l, interpolation(), cells_);
     paint_layers(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes}, block.l);
     return;
   }
   if (candidates.size() > many_candidates && block.depth > 8) {
+    std::vector<int> near;
+    for (const Candidate& c : candidates) near.push_back(c.frame);
     LatticeBlock half = block;
     half.depth = block.depth / 2;
-    paint_block(lattice, half, frames);
+    paint_block(lattice, half, near);
     half.l += half.depth;
     half.depth = block.depth - half.depth;
-    paint_block(lattice, half, frames);
+    paint_block(lattice, half, near);
     return;
   }
   place_.layers = block.depth;
@@ -195,7 +205,7 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
                                const std::vector<int>& frames) {
   if (stopped()) return;
   std::vector<Candidate> candidates;
-  const SampleBox box = box_of(lattice, region);
+  const SampleBox box = box_of(region);
   cull(table(), frames, box, interpolation(), candidates);
   if (candidates.empty()) {
     blank(region);
@@ -203,11 +213,7 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
   }
   Chain chain;
   if (region.depth <= patch_layers && make_chain(table(), candidates, box, chain)) {
-    if (thin_mm_ > 0) {
-      const std::size_t members = chain.members.size();
-      thin_chain(table(), candidates, box, thin_mm_, interpolation(), chain);
-      left_out_.add(members, chain.members.size());
-    }
+    thin(candidates, box, chain);
     paint_chain(lattice, region, box, candidates, chain);
     return;
   }
@@ -258,7 +264,7 @@ std::vector<int> BandPainter::frames_near(const FrameTable& of, const std::vecto
 void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b,
                               int width) {
   const int height = std::min(tile_pixels, lattice.rows - b);
-  const SampleBox box = box_of(lattice, {a, b, 0, width, height, lattice.layers});
+  const SampleBox box = box_of({a, b, 0, width, height, lattice.layers});
   const std::vector<int> reach = frames_near(table_, frames, box);
   if (reach.empty()) {
     blank({a, b, 0, width, height, lattice.layers});

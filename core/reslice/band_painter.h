@@ -12,7 +12,8 @@
 
 namespace sonoband {
 
-// One thread's painter. Tiles may come in any order; none depends on another.
+// One thread's painter. Tiles may come in any order; none depends on another. For tiles lattice and table are
+// in the lattice's own coordinates; for lines the table is in World.
 class BandPainter {
  public:
   // Chains are thinned to `thin_mm`, if not 0.
@@ -55,6 +56,7 @@ class BandPainter {
   // Those of `frames` that may matter to a box.
   std::vector<int> frames_near(const FrameTable& of, const std::vector<int>& frames,
                                const SampleBox& box) const;
+  void thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain);
   template <class Paint>
   void paint_patches(const LatticeBlock& region, Paint paint);
   void paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,

@@ -61,12 +61,17 @@ bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, 
 void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
                 double pixel_mm, Interpolation interpolation, Chain& chain) {
   const std::vector<int>& all = chain.members;
+  // By which the gap of two members changes in a mm.
+  const auto turn = [&](std::size_t i, std::size_t j) {
+    const FrameEntry &a = table.frames[candidates[all[i]].frame], &b = table.frames[candidates[all[j]].frame];
+    return (a.normal - (a.flipped == b.flipped ? 1 : -1) * b.normal).norm();
+  };
   // From member i to member j, behind it.
   const auto widest = [&](std::size_t i, std::size_t j) {
     const AffineScalar from = oriented_z(table.frames[candidates[all[i]].frame]);
     const AffineScalar to = oriented_z(table.frames[candidates[all[j]].frame]);
-    const Eigen::Vector3d gradient = from.gradient - to.gradient;
-    return span_of({gradient, from.offset - to.offset}, box).highest + gradient.norm() * pixel_mm / 2;
+    return span_of({from.gradient - to.gradient, from.offset - to.offset}, box).highest +
+           turn(i, j) * pixel_mm / 2;
   };
   const auto neighbours = [&](std::size_t i, std::size_t j) {
     if (interpolation == Interpolation::linear) return widest(i, j) <= pixel_mm;

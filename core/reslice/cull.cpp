@@ -38,16 +38,6 @@ Support support(const FrameTable& table, const FrameEntry& f, const SampleBox& b
 
 }  // namespace
 
-Span span_of(const AffineScalar& f, const SampleBox& box) {
-  const double centre = f.at(box.centre), extent = box.extent(f.gradient);
-  return {centre - extent, centre + extent};
-}
-
-AffineScalar oriented_z(const FrameEntry& frame) {
-  if (!frame.flipped) return frame.z_mm;
-  return {-frame.z_mm.gradient, -frame.z_mm.offset};
-}
-
 BlockBox box_of(const LineBundle& bundle, const BundleBlock& block) {
   const auto index = [&](int row, int layer) {
     return static_cast<std::size_t>(row) * bundle.layers + layer;
@@ -101,12 +91,10 @@ BlockBox box_of(const LineBundle& bundle, const BundleBlock& block) {
   result.empty = false;
   result.box.centre =
       (lowest + highest) / 2 + (block.sample_begin + block.sample_end - 1) / 2.0 * bundle.step.v;
+  result.box.along = rest;
+  result.box.slanted = true;
   result.box.half = {(block.sample_end - 1 - block.sample_begin) / 2.0 * bundle.step.v,
-                     (block.row_end - 1 - block.row_begin) / 2.0 * per_row,
-                     layer_centre * per_layer,
-                     {rest.x(), 0, 0},
-                     {0, rest.y(), 0},
-                     {0, 0, rest.z()}};
+                     (block.row_end - 1 - block.row_begin) / 2.0 * per_row, layer_centre * per_layer};
   return result;
 }
 

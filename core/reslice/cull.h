@@ -9,14 +9,18 @@
 
 namespace sonoband {
 
-// A parallelepiped that holds the samples: centre + sum of t_k half[k], |t_k| <= 1. Axes: along the lines,
-// from row to row, from layer to layer, and what these leave of an unrolled surface, per World axis.
+// A parallelepiped that holds the samples: centre + sum of t_k times its axes, |t_k| <= 1. Axes: along the
+// coordinates, which is all a lattice's box in its own coordinates has; and of an unrolled surface, in World,
+// along the lines, from row to row and from layer to layer.
 struct SampleBox {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  std::array<Eigen::Vector3d, 6> half;
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();  // half axes along the coordinates
+  bool slanted = false;                             // has those of `half` as well
+  std::array<Eigen::Vector3d, 3> half;
 
   double extent(const Eigen::Vector3d& gradient) const {
-    double sum = 0;
+    double sum = gradient.cwiseAbs().dot(along);
+    if (!slanted) return sum;
     for (const Eigen::Vector3d& h : half) sum += std::abs(gradient.dot(h));
     return sum;
   }
@@ -38,7 +42,10 @@ BlockBox box_of(const LineBundle& bundle, const BundleBlock& block);
 struct Span {
   double lowest = 0, highest = 0;
 };
-Span span_of(const AffineScalar& f, const SampleBox& box);
+inline Span span_of(const AffineScalar& f, const SampleBox& box) {
+  const double centre = f.at(box.centre), extent = box.extent(f.gradient);
+  return {centre - extent, centre + extent};
+}
 
 struct Candidate {
   int frame = 0;              // index into the table
@@ -49,7 +56,10 @@ struct Candidate {
 };
 
 // The frame's z by the common orientation.
-AffineScalar oriented_z(const FrameEntry& frame);
+inline AffineScalar oriented_z(const FrameEntry& frame) {
+  if (!frame.flipped) return frame.z_mm;
+  return {-frame.z_mm.gradient, -frame.z_mm.offset};
+}
 
 // Those of `frames` (indices into the table, ascending) that can give a sample of the box its value,
 // ascending. Left out are frames whose picture holds no foot of the box or that are out of reach everywhere,

@@ -4,13 +4,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/reslice/band.h"
 
 namespace sonoband {
 
-// One row of image_from_world: value(P) = gradient . P + offset.
+// One row of image_from_world: value(P) = gradient . P + offset. P is in World, or in the coordinates of a
+// lattice where `seen_from` (lattice.h) made the table.
 struct AffineScalar {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double offset = 0;
@@ -18,9 +20,10 @@ struct AffineScalar {
 };
 
 struct FrameEntry {
-  AffineScalar x_px, y_px, z_mm;  // of image_from_world; z along the frame's own normal
-  double gap_mm = 0;              // d of the definition
-  bool flipped = false;           // its sweep's normals count reversed (the definition's sides)
+  AffineScalar x_px, y_px, z_mm;                     // of image_from_world; z along the frame's own normal
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // z_mm's gradient in World, whatever P is in
+  double gap_mm = 0;                                 // d of the definition
+  bool flipped = false;  // its sweep's normals count reversed (the definition's sides)
   const std::uint8_t* pixels = nullptr;
   std::ptrdiff_t stride = 0;
   int width = 0;
@@ -32,13 +35,14 @@ class MaskSums {
  public:
   MaskSums() = default;
   explicit MaskSums(MaskView mask);
-  bool empty() const { return sums_.empty(); }
+  bool empty() const { return sums_ == nullptr; }
   // Pixels kept with x0 <= x <= x1, y0 <= y <= y1, which must lie in the picture.
   std::uint32_t kept(int x0, int y0, int x1, int y1) const;
 
  private:
   int width_ = 0;
-  std::vector<std::uint32_t> sums_;  // (width + 1) x (height + 1), of the pixels above and to the left
+  // (width + 1) x (height + 1), of the pixels above and to the left; shared by the copies of a table.
+  std::shared_ptr<const std::vector<std::uint32_t>> sums_;
 };
 
 struct FrameTable {

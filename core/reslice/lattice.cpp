@@ -33,12 +33,35 @@ std::optional<Lattice> lattice_of(const LineBundle& bundle) {
   return lattice;
 }
 
-SampleBox box_of(const Lattice& lattice, const LatticeBlock& block) {
-  const double a = (block.width - 1) / 2.0, b = (block.height - 1) / 2.0, l = (block.depth - 1) / 2.0;
+Lattice in_own_coordinates(const Lattice& lattice) {
+  return {Eigen::Vector3d::Zero(),
+          Eigen::Vector3d::UnitX(),
+          Eigen::Vector3d::UnitY(),
+          Eigen::Vector3d::UnitZ(),
+          lattice.samples,
+          lattice.rows,
+          lattice.layers};
+}
+
+FrameTable seen_from(const Lattice& lattice, const FrameTable& table) {
+  FrameTable seen = table;
+  const auto see = [&](AffineScalar& f) {
+    f.offset = f.at(lattice.origin);
+    f.gradient = {f.gradient.dot(lattice.per_sample), f.gradient.dot(lattice.per_row),
+                  f.gradient.dot(lattice.per_layer)};
+  };
+  for (FrameEntry& f : seen.frames) {
+    see(f.x_px);
+    see(f.y_px);
+    see(f.z_mm);
+  }
+  return seen;
+}
+
+SampleBox box_of(const LatticeBlock& block) {
   SampleBox box;
-  box.centre = lattice.at(block.a + a, block.b + b, block.l + l);
-  box.half = {a * lattice.per_sample,  b * lattice.per_row,     l * lattice.per_layer,
-              Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  box.along = {(block.width - 1) / 2.0, (block.height - 1) / 2.0, (block.depth - 1) / 2.0};
+  box.centre = Eigen::Vector3d(block.a, block.b, block.l) + box.along;
   return box;
 }
 

@@ -27,11 +27,18 @@ Lattice lattice_through(const Eigen::Vector3d& origin, const Eigen::Vector3d& pe
 // Empty where a line is absent or starts more than 1 nm off the lattice.
 std::optional<Lattice> lattice_of(const LineBundle& bundle);
 
+// The same lattice in its own coordinates (sample, row, layer): boxes lie along them, so that a frame's
+// extremes over a box cost three products.
+Lattice in_own_coordinates(const Lattice& lattice);
+// The frames as functions of those coordinates.
+FrameTable seen_from(const Lattice& lattice, const FrameTable& table);
+
 // A block of a lattice: samples [a, a + width) of rows [b, b + height) of layers [l, l + depth).
 struct LatticeBlock {
   int a = 0, b = 0, l = 0;
   int width = 0, height = 0, depth = 0;
 };
-SampleBox box_of(const Lattice& lattice, const LatticeBlock& block);
+// In the lattice's own coordinates.
+SampleBox box_of(const LatticeBlock& block);
 
 }  // namespace sonoband

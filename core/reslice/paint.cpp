@@ -34,6 +34,9 @@ bool patches_hold_all(const FrameTable& table, double mm_per_sample, double mm_p
   return std::all_of(table.frames.begin(), table.frames.end(),
                      [&](const FrameEntry& f) { return patches_hold(f, mm_per_sample, mm_per_row); });
 }
+bool patches_hold_all(const FrameTable& table, const Lattice& lattice) {
+  return patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm());
+}
 
 LineBundle lines_of(const Lattice& lattice) {
   LineBundle bundle;
@@ -93,18 +96,20 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
                       double thin_mm, Parallel& parallel, const std::atomic<bool>* stop) {
   BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
   if (lattice.samples <= 0 || lattice.rows <= 0 || table.frames.empty()) return image;
-  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
+  if (!patches_hold_all(table, lattice)) {
     paint_plainly(table, lines_of(lattice), settings, parallel, stop, image);
     return image;
   }
+  const FrameTable seen = seen_from(lattice, table);
+  const Lattice own = in_own_coordinates(lattice);
   const std::vector<int> all = all_frames(table);
   const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
   const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
   std::vector<LeftOut> left_out(static_cast<std::size_t>(across) * down);
   parallel.for_each(across * down, [&](int strip) {
-    BandPainter painter(table, settings, image, stop, thin_mm);
+    BandPainter painter(seen, settings, image, stop, thin_mm);
     const int a = strip % across * strip_pixels;
-    painter.paint_tiles(lattice, all, a, strip / across * tile_pixels,
+    painter.paint_tiles(own, all, a, strip / across * tile_pixels,
                         std::min(strip_pixels, lattice.samples - a));
     left_out[strip] = painter.left_out();
   });
@@ -154,22 +159,27 @@ BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double 
   return image;
 }
 
-int layer_strips(const FrameTable& table, const Lattice& lattice) {
-  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) return 1;
+LayerStrips::LayerStrips(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings)
+    : table_(&table), lattice_(lattice), settings_(settings), in_patches_(patches_hold_all(table, lattice)) {
+  if (in_patches_) seen_ = seen_from(lattice, table);
+}
+
+int LayerStrips::count(const FrameTable& table, const Lattice& lattice) {
+  if (!patches_hold_all(table, lattice)) return 1;
   const int across = (lattice.samples + layer_strip_pixels - 1) / layer_strip_pixels;
   return across * ((lattice.rows + tile_pixels - 1) / tile_pixels);
 }
 
-void paint_layer_strip(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
-                       int strip, LayerBlock& layers) {
-  if (!patches_hold_all(table, lattice.per_sample.norm(), lattice.per_row.norm())) {
-    paint_layers_plainly(table, lattice, settings, layers);
+void LayerStrips::paint(int strip, LayerBlock& layers) const {
+  if (!in_patches_) {
+    paint_layers_plainly(*table_, lattice_, settings_, layers);
     return;
   }
-  const int across = (lattice.samples + layer_strip_pixels - 1) / layer_strip_pixels;
+  const int across = (lattice_.samples + layer_strip_pixels - 1) / layer_strip_pixels;
   const int a = strip % across * layer_strip_pixels, b = strip / across * tile_pixels;
-  const int width = std::min(layer_strip_pixels, lattice.samples - a);
-  BandPainter(table, settings, layers).paint_tiles(lattice, all_frames(table), a, b, width);
+  BandPainter(seen_, settings_, layers)
+      .paint_tiles(in_own_coordinates(lattice_), all_frames(seen_), a, b,
+                   std::min(layer_strip_pixels, lattice_.samples - a));
 }
 
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,

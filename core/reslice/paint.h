@@ -27,10 +27,22 @@ BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double 
                         const std::atomic<bool>* stop);
 
 // Layers apart, a strip of the picture at a time; strips may be painted in any order and on any threads.
-// Whatever a strip of the block held before is overwritten. Of `settings` the interpolation counts and
-// whether minima are asked for.
-int layer_strips(const FrameTable& table, const Lattice& lattice);
-void paint_layer_strip(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
-                       int strip, LayerBlock& layers);
+// Borrows the table.
+class LayerStrips {
+ public:
+  // Of `settings` the interpolation counts and whether minima are asked for.
+  LayerStrips(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings);
+  // How many a picture has.
+  static int count(const FrameTable& table, const Lattice& lattice);
+  // Whatever the strip held before is overwritten.
+  void paint(int strip, LayerBlock& layers) const;
+
+ private:
+  const FrameTable* table_;
+  Lattice lattice_;
+  RenderSettings settings_;
+  bool in_patches_;
+  FrameTable seen_;  // from the lattice
+};
 
 }  // namespace sonoband

@@ -111,7 +111,7 @@ std::shared_ptr<const FrameTable> RollingBand::table_of(PreparedSweep& sweep) {
   };
   auto table = settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : lent(sweep.prepare());
   left_out_ = static_cast<int>(sweep.view().frames.size() - table->frames.size());
-  strips_ = layer_strips(*table, lattice_of_block(0));
+  strips_ = LayerStrips::count(*table, lattice_of_block(0));
   return table;
 }
 
@@ -283,10 +283,12 @@ void RollingBand::paint_portions(const FrameTable& table, const std::vector<Port
                                  Parallel& parallel) {
   RenderSettings thin = settings_;
   thin.compounding = missing_ == 0 ? Compounding::maximum : Compounding::minimum;
+  std::map<int, LayerStrips> of_block;
+  for (const Portion& portion : portions)
+    of_block.try_emplace(portion.block, table, lattice_of_block(portion.block), thin);
   parallel.for_each(static_cast<int>(portions.size()), [&](int i) {
     const Portion& portion = portions[i];
-    paint_layer_strip(table, lattice_of_block(portion.block), thin, portion.strip,
-                      blocks_.at(portion.block).layers);
+    of_block.at(portion.block).paint(portion.strip, blocks_.at(portion.block).layers);
   });
 }
 

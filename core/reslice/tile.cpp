@@ -159,7 +159,7 @@ bool Tile::open(const FrameTable& frame_table, const Lattice& lattice, const std
            std::min(tile_pixels, lattice.samples - a),
            std::min(tile_pixels, lattice.rows - b),
            lattice.layers};
-  box = box_of(lattice, block);
+  box = box_of(block);
   cull(frame_table, near, box, interpolation, candidates);
   if (candidates.empty()) return false;
   is_chain = make_chain(frame_table, candidates, box, chain);
