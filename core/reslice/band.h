@@ -56,9 +56,9 @@ struct RenderSettings {
   Compounding compounding = Compounding::maximum;
   Interpolation interpolation = Interpolation::nearest;
   GapLimit gap;
-  // Leaves out frames that lie denser than the output can show; off for bit-exact work. By the rule of
-  // `thinned`; where that would leave more than half of them, a plane by the rule of core/reslice/chain.h
-  // instead, by what each part of the picture sees of the frames (rolling bands keep to `thinned`).
+  // Leaves out frames that lie denser than the output can show; off for bit-exact work. Planes by the rule of
+  // core/reslice/chain.h, by what each part of the picture sees of the frames; parts where they cross or end,
+  // curved surfaces and rolling bands by those of core/reslice/thinning.h.
   bool thin_dense_frames = false;
 };
 
@@ -68,7 +68,7 @@ struct BandImage {
   Pixels pixels;
   ImageBuffer<std::uint16_t> coverage;
   PixelKind kind = PixelKind::grey;
-  // By RenderSettings::thin_dense_frames; by the rule of core/reslice/chain.h in the mean over the picture.
+  // By RenderSettings::thin_dense_frames; on planes in the mean over the picture's tiles.
   int frames_left_out = 0;
 };
 

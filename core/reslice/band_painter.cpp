@@ -104,10 +104,11 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
 }
 
 void BandPainter::thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) {
-  if (thin_mm_ == 0) return;
+  if (thinning_.pixel_mm == 0) return;
   const std::size_t members = chain.members.size();
-  thin_chain(table(), candidates, box, thin_mm_, interpolation(), chain);
-  left_out_.add(members, chain.members.size());
+  thin_chain(table(), candidates, box, thinning_.pixel_mm, interpolation(), chain);
+  // Tiles of the table for the rest are counted as they are opened.
+  if (thinning_.rest == nullptr) left_out_.add(members, chain.members.size());
 }
 
 // A patch of a tile whose frames are no chain throughout.
@@ -252,27 +253,39 @@ void BandPainter::paint_parts(const Lattice& lattice, const LatticeBlock& region
   paint_region(lattice, second, frames);
 }
 
-std::vector<int> BandPainter::frames_near(const FrameTable& of, const std::vector<int>& frames,
-                                          const SampleBox& box) const {
+std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox& box) const {
   std::vector<Candidate> candidates;
-  cull(of, frames, box, interpolation(), candidates);
+  cull(of, all_frames(of), box, interpolation(), candidates);
   std::vector<int> kept;
   for (const Candidate& c : candidates) kept.push_back(c.frame);
   return kept;
 }
 
-void BandPainter::paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b,
-                              int width) {
+// False where no frame reaches the tile.
+bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b) {
+  if (!tile.find(table_, lattice, reach.frames, interpolation(), a, b)) return false;
+  if (tile.is_chain && thinning_.pixel_mm > 0) {
+    tile.thin(interpolation(), thinning_.pixel_mm, left_out_);
+  } else if (!tile.is_chain && thinning_.rest != nullptr) {
+    const std::size_t all = tile.candidates.size();
+    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), a, b)) return false;
+    left_out_.add(all, tile.candidates.size());
+  }
+  tile.open(lattice, interpolation());
+  return true;
+}
+
+void BandPainter::paint_tiles(const Lattice& lattice, int a, int b, int width) {
   const int height = std::min(tile_pixels, lattice.rows - b);
   const SampleBox box = box_of({a, b, 0, width, height, lattice.layers});
-  const std::vector<int> reach = frames_near(table_, frames, box);
-  if (reach.empty()) {
+  Reach reach;
+  reach.frames = frames_near(table_, box);
+  if (thinning_.rest != nullptr) reach.rest = frames_near(*thinning_.rest, box);
+  if (reach.frames.empty()) {
     blank({a, b, 0, width, height, lattice.layers});
     return;
   }
-  const auto open = [&](Tile& tile, int at) {
-    return tile.open(table_, lattice, reach, interpolation(), at, b, thin_mm_, left_out_);
-  };
+  const auto open = [&](Tile& tile, int at) { return open_tile(tile, lattice, reach, at, b); };
   bool opened = open(tile_, a);
   for (const int end = a + width; a < end; a += tile_pixels) {
     if (stopped()) return;

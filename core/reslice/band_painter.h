@@ -12,15 +12,20 @@
 
 namespace sonoband {
 
+// How frames denser than the output are left out.
+struct Thinning {
+  double pixel_mm = 0;               // to which chains are thinned by the rule of chain.h; 0: they are not
+  const FrameTable* rest = nullptr;  // frames for tiles that are no chain; null: all of them
+};
+
 // One thread's painter. Tiles may come in any order; none depends on another. For tiles lattice and table are
 // in the lattice's own coordinates; for lines the table is in World.
 class BandPainter {
  public:
-  // Chains are thinned to `thin_mm`, if not 0.
   BandPainter(const FrameTable& table, const RenderSettings& settings, BandImage& image,
-              const std::atomic<bool>* stop, double thin_mm = 0)
+              const std::atomic<bool>* stop, const Thinning& thinning = {})
       : table_(table),
-        thin_mm_(thin_mm),
+        thinning_(thinning),
         stop_(stop),
         linear_(settings.interpolation == Interpolation::linear),
         rule_(rule_of(settings.compounding, table.kind)),
@@ -35,9 +40,9 @@ class BandPainter {
         layers_(&layers),
         totals_(rule_) {}
 
-  // The tiles of samples [a, a + width) from row b on. `frames` are those that may matter, ascending. A
-  // tile's pixels are asked for while the one before is painted.
-  void paint_tiles(const Lattice& lattice, const std::vector<int>& frames, int a, int b, int width);
+  // The tiles of samples [a, a + width) from row b on. A tile's pixels are asked for while the one before is
+  // painted.
+  void paint_tiles(const Lattice& lattice, int a, int b, int width);
 
   const LeftOut& left_out() const { return left_out_; }
 
@@ -53,14 +58,18 @@ class BandPainter {
                   LaneMask* masks);
   // What a tile's, or a patch's, frames are of.
   const FrameTable& table() const { return *tile_.table; }
-  // Those of `frames` that may matter to a box.
-  std::vector<int> frames_near(const FrameTable& of, const std::vector<int>& frames,
-                               const SampleBox& box) const;
+  // Those that may matter to a box, ascending.
+  std::vector<int> frames_near(const FrameTable& of, const SampleBox& box) const;
   void thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain);
   template <class Paint>
   void paint_patches(const LatticeBlock& region, Paint paint);
   void paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
                    const std::vector<Candidate>& candidates, const Chain& chain);
+  // Of each table.
+  struct Reach {
+    std::vector<int> frames, rest;
+  };
+  bool open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b);
   void paint_tile(const Lattice& lattice);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
   void paint_parts(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
@@ -89,7 +98,7 @@ class BandPainter {
   bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
 
   const FrameTable& table_;
-  double thin_mm_ = 0;
+  Thinning thinning_;
   LeftOut left_out_;
   const std::atomic<bool>* stop_;  // may be null
   bool linear_;

@@ -74,7 +74,7 @@ void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, 
            turn(i, j) * pixel_mm / 2;
   };
   const auto neighbours = [&](std::size_t i, std::size_t j) {
-    if (interpolation == Interpolation::linear) return widest(i, j) <= pixel_mm;
+    if (interpolation == Interpolation::linear || !table.complete) return widest(i, j) <= pixel_mm;
     return widest(i, j - 1) <= pixel_mm && widest(i + 1, j) <= pixel_mm;
   };
   std::vector<int> kept = {all.front()};

@@ -28,10 +28,12 @@ bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, 
 // Leaves out members that lie denser than `pixel_mm`, the output's, by a rule that keeps the definition's
 // values within half an output pixel in position, at every sample of the box. Members between two that stay
 // go where,
-//  - nearest: from either of the two to the one before the other is at most a pixel. So a sample takes
+//  - nearest, of a table with all frames of the sweep: from either of the two to the one before the other is
+//  at most a pixel. So a sample takes
 //    the pixel that the definition, with all frames, takes at a point at most half a pixel away: beyond half
 //    the gap to the next frame, which is the definition's own, no more than half a pixel is left to go;
-//  - linear: the two are at most a pixel apart. So a sample blends values that the definition takes at two
+//  - else: the two are at most a pixel apart. So a sample is at most half a pixel from the nearest of them,
+//    and linear a sample blends values that the definition takes at two
 //    points, on the planes of the two, whose distance from the sample is at most half a pixel in their mean
 //    by weight: 2 w (1 - w) gap.
 // The first and the last member stay. Gaps count as the widest in the box and half a pixel about it.

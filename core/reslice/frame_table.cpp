@@ -1,6 +1,7 @@
 #include "core/reslice/frame_table.h"
 
 #include <map>
+#include <numeric>
 
 #include "core/reslice/capture_order.h"
 
@@ -24,6 +25,12 @@ std::uint32_t MaskSums::kept(int x0, int y0, int x1, int y1) const {
   const std::size_t stride = static_cast<std::size_t>(width_) + 1;
   const auto at = [&](int x, int y) { return (*sums_)[static_cast<std::size_t>(y) * stride + x]; };
   return at(x1 + 1, y1 + 1) - at(x0, y1 + 1) - at(x1 + 1, y0) + at(x0, y0);
+}
+
+std::vector<int> all_frames(const FrameTable& table) {
+  std::vector<int> all(table.frames.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 FrameTable make_frame_table(const SweepView& sweep, const GapLimit& gap) {

@@ -50,7 +50,11 @@ struct FrameTable {
   MaskView mask;
   MaskSums mask_sums;
   PixelKind kind = PixelKind::grey;
+  bool complete = true;  // false: frames of the sweep were left out (thinning.h)
 };
+
+// Their indices, ascending.
+std::vector<int> all_frames(const FrameTable& table);
 
 FrameTable make_frame_table(const SweepView& sweep, const GapLimit& gap);
 

@@ -1,32 +1,14 @@
 // How far from a B-scan its pixels reach: given, or half the gap to its neighbours in the sweep.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "core/reslice/band.h"
-#include "core/reslice/capture_order.h"
+#include "core/reslice/corner_distances.h"
 
 namespace sonoband {
 namespace {
 
 constexpr double jump_factor = 4;  // a lost contact or a pause is farther than this many median gaps
-
-std::array<Eigen::Vector3d, 4> corners(const TrackedFrame& f) {
-  const double right = f.bscan.pixels.width - 1;
-  const double bottom = f.bscan.pixels.height - 1;
-  const auto at = [&](double x, double y) { return (f.world_from_image * Point<frame::Image>{{x, y, 0}}).v; };
-  return {at(0, 0), at(right, 0), at(0, bottom), at(right, bottom)};
-}
-
-// Largest distance in mm of the corners of `to` from the plane of `from`.
-double corner_distance_mm(const TrackedFrame& from, const TrackedFrame& to) {
-  double largest = 0;
-  for (const Eigen::Vector3d& corner : corners(to)) {
-    largest = std::max(largest, std::abs((from.image_from_world * Point<frame::World>{corner}).v.z()));
-  }
-  return largest;
-}
 
 double half_pixel_mm(const TrackedFrame& f) {
   return f.world_from_image.linear.col(0).norm() / 2;
@@ -64,32 +46,7 @@ void automatic_limits(const SweepView& sweep, const std::vector<int>& of_sweep, 
   }
 }
 
-// Indices into frames, sweep by sweep, in order of capture.
-std::map<std::int32_t, std::vector<int>> by_sweep(const SweepView& sweep) {
-  std::map<std::int32_t, std::vector<int>> sweeps;
-  for (const int i : capture_order(sweep)) sweeps[sweep.frames[i]->sweep_id].push_back(i);
-  return sweeps;
-}
-
 }  // namespace
-
-std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm) {
-  std::vector<const TrackedFrame*> kept;
-  for (const auto& [id, of_sweep] : by_sweep(sweep)) {
-    const TrackedFrame* last_kept = nullptr;
-    for (std::size_t i = 0; i < of_sweep.size(); ++i) {
-      const TrackedFrame* frame = sweep.frames[of_sweep[i]];
-      const bool last = i + 1 == of_sweep.size();
-      if (last_kept != nullptr && !last &&
-          corner_distance_mm(*last_kept, *sweep.frames[of_sweep[i + 1]]) <= pixel_mm) {
-        continue;
-      }
-      kept.push_back(frame);
-      last_kept = frame;
-    }
-  }
-  return kept;
-}
 
 std::vector<double> gap_limits(const SweepView& sweep, const GapLimit& gap) {
   std::vector<double> limits(sweep.frames.size(), gap.mm.value_or(0.0));

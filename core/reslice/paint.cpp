@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/reslice/band_painter.h"
 #include "core/reslice/plain_painter.h"
 #include "core/reslice/ruling_painter.h"
+#include "core/reslice/thinning.h"
 
 namespace sonoband {
 namespace {
@@ -17,12 +17,6 @@ constexpr int layer_strip_pixels = 2 * tile_pixels;
 // Where line (row, layer) of a plane starts.
 Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
   return plane.origin + (row * plane.pixel_mm) * plane.down + band.offset_mm(layer) * plane.normal();
-}
-
-std::vector<int> all_frames(const FrameTable& table) {
-  std::vector<int> all(table.frames.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
 }
 
 BandImage empty_image(int width, int height, PixelKind kind) {
@@ -78,12 +72,11 @@ BandImage paint_sweep(const SweepView& sweep, const RenderSettings& settings, do
                       Parallel& parallel, const Surface& surface) {
   const FrameTable table = make_frame_table(sweep, settings.gap);
   if (!settings.thin_dense_frames) return paint(table, surface, settings, parallel, nullptr);
-  const std::vector<const TrackedFrame*> stay = thinned(sweep, pixel_mm);
-  const FrameTable kept = make_frame_table({stay, sweep.mask}, settings.gap);
+  const FrameTable kept = make_thinned_table(sweep, settings.gap, pixel_mm, settings.interpolation);
   return paint_thinned(table, kept, pixel_mm, surface, settings, parallel, nullptr);
 }
 
-// In the mean over the chains that were thinned.
+// In the mean over the tiles.
 int frames_left_out(const FrameTable& table, const LeftOut& count) {
   if (count.reached == 0) return 0;
   return static_cast<int>(
@@ -91,9 +84,9 @@ int frames_left_out(const FrameTable& table, const LeftOut& count) {
                    static_cast<double>(count.reached)));
 }
 
-// Chains are thinned to `thin_mm`, if not 0.
+// thinning.rest in World.
 BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
-                      double thin_mm, Parallel& parallel, const std::atomic<bool>* stop) {
+                      Thinning thinning, Parallel& parallel, const std::atomic<bool>* stop) {
   BandImage image = empty_image(lattice.samples, lattice.rows, table.kind);
   if (lattice.samples <= 0 || lattice.rows <= 0 || table.frames.empty()) return image;
   if (!patches_hold_all(table, lattice)) {
@@ -101,16 +94,19 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
     return image;
   }
   const FrameTable seen = seen_from(lattice, table);
+  FrameTable rest;
+  if (thinning.rest != nullptr) {
+    rest = seen_from(lattice, *thinning.rest);
+    thinning.rest = &rest;
+  }
   const Lattice own = in_own_coordinates(lattice);
-  const std::vector<int> all = all_frames(table);
   const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
   const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
   std::vector<LeftOut> left_out(static_cast<std::size_t>(across) * down);
   parallel.for_each(across * down, [&](int strip) {
-    BandPainter painter(seen, settings, image, stop, thin_mm);
+    BandPainter painter(seen, settings, image, stop, thinning);
     const int a = strip % across * strip_pixels;
-    painter.paint_tiles(own, all, a, strip / across * tile_pixels,
-                        std::min(strip_pixels, lattice.samples - a));
+    painter.paint_tiles(own, a, strip / across * tile_pixels, std::min(strip_pixels, lattice.samples - a));
     left_out[strip] = painter.left_out();
   });
   LeftOut sum;
@@ -146,17 +142,15 @@ Lattice plane_lattice(const ReslicePlane& plane, const Band& band) {
 
 BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings,
                 Parallel& parallel, const std::atomic<bool>* stop) {
-  return paint_tiles(table, lattice, settings, 0, parallel, stop);
+  return paint_tiles(table, lattice, settings, {}, parallel, stop);
 }
 
 BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
                         const Lattice& lattice, const RenderSettings& settings, Parallel& parallel,
                         const std::atomic<bool>* stop) {
-  if (2 * kept.frames.size() > table.frames.size())
-    return paint_tiles(table, lattice, settings, pixel_mm, parallel, stop);
-  BandImage image = paint(kept, lattice, settings, parallel, stop);
-  image.frames_left_out = static_cast<int>(table.frames.size() - kept.frames.size());
-  return image;
+  // A few frames less are not worth opening a tile twice.
+  const bool fewer = kept.frames.size() <= table.frames.size() - table.frames.size() / 8;
+  return paint_tiles(table, lattice, settings, {pixel_mm, fewer ? &kept : nullptr}, parallel, stop);
 }
 
 LayerStrips::LayerStrips(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings)
@@ -178,8 +172,7 @@ void LayerStrips::paint(int strip, LayerBlock& layers) const {
   const int across = (lattice_.samples + layer_strip_pixels - 1) / layer_strip_pixels;
   const int a = strip % across * layer_strip_pixels, b = strip / across * tile_pixels;
   BandPainter(seen_, settings_, layers)
-      .paint_tiles(in_own_coordinates(lattice_), all_frames(seen_), a, b,
-                   std::min(layer_strip_pixels, lattice_.samples - a));
+      .paint_tiles(in_own_coordinates(lattice_), a, b, std::min(layer_strip_pixels, lattice_.samples - a));
 }
 
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,

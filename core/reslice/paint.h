@@ -17,8 +17,9 @@ BandImage paint(const FrameTable& table, const Lattice& lattice, const RenderSet
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,
                 Parallel& parallel, const std::atomic<bool>* stop);
 
-// The same with frames left out that are denser than the output's pixel_mm: of `kept`, which is `thinned`,
-// where that halves the frames or more, or where the bundle is no plane's; else of the table by chains.
+// The same with frames left out that are denser than the output's pixel_mm: on a lattice by chains of all
+// frames (chain.h); tiles whose frames are no chain, and curved bundles, take those of `kept`
+// (make_thinned_table).
 BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double pixel_mm,
                         const Lattice& lattice, const RenderSettings& settings, Parallel& parallel,
                         const std::atomic<bool>* stop);

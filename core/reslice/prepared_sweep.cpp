@@ -2,6 +2,7 @@
 
 #include "core/reslice/frame_table.h"
 #include "core/reslice/paint.h"
+#include "core/reslice/thinning.h"
 
 namespace sonoband {
 
@@ -27,12 +28,13 @@ const FrameTable& PreparedSweep::prepare() {
   return *table_;
 }
 
-std::shared_ptr<const FrameTable> PreparedSweep::prepare_thinned(double pixel_mm) {
+std::shared_ptr<const FrameTable> PreparedSweep::prepare_thinned(double pixel_mm,
+                                                                 Interpolation interpolation) {
   prepare();
-  if (thinned_table_ && thinned_pixel_mm_ == pixel_mm) return thinned_table_;
-  const std::vector<const TrackedFrame*> kept = thinned(view(), pixel_mm);
-  thinned_table_ = std::make_shared<FrameTable>(make_frame_table({kept, mask_}, gap_));
+  if (thinned_table_ && thinned_pixel_mm_ == pixel_mm && thinned_for_ == interpolation) return thinned_table_;
+  thinned_table_ = std::make_shared<FrameTable>(make_thinned_table(view(), gap_, pixel_mm, interpolation));
   thinned_pixel_mm_ = pixel_mm;
+  thinned_for_ = interpolation;
   return thinned_table_;
 }
 
@@ -42,7 +44,7 @@ template <class Surface>
 BandImage paint_prepared(PreparedSweep& sweep, const Surface& surface, const RenderSettings& settings,
                          double pixel_mm, Parallel& parallel, const StopFlag* stop) {
   if (!settings.thin_dense_frames) return paint(sweep.prepare(), surface, settings, parallel, stop);
-  const std::shared_ptr<const FrameTable> kept = sweep.prepare_thinned(pixel_mm);
+  const std::shared_ptr<const FrameTable> kept = sweep.prepare_thinned(pixel_mm, settings.interpolation);
   return paint_thinned(sweep.prepare(), *kept, pixel_mm, surface, settings, parallel, stop);
 }
 

@@ -26,10 +26,10 @@ class PreparedSweep {
   // Brings the tables up to date after append(): 0.1 ms for 200 frames. Gap limits of all frames may change,
   // because the automatic ones rest on the median over the sweep.
   const FrameTable& prepare();
-  // The same of the frames that stay when thinned to a pixel (`thinned` in band.h); kept until the pixel
-  // changes. What is held stays as it is meanwhile: a picture that is shown while another is painted may have
-  // other pixels.
-  std::shared_ptr<const FrameTable> prepare_thinned(double pixel_mm);
+  // The same of the frames that stay when thinned to a pixel (make_thinned_table in thinning.h); kept until
+  // pixel or interpolation change. What is held stays as it is meanwhile: a picture that is shown while
+  // another is painted may have other pixels.
+  std::shared_ptr<const FrameTable> prepare_thinned(double pixel_mm, Interpolation interpolation);
 
   SweepView view() const { return {frames_, mask_}; }
 
@@ -41,6 +41,7 @@ class PreparedSweep {
   std::unique_ptr<FrameTable> table_;
   std::shared_ptr<const FrameTable> thinned_table_;
   double thinned_pixel_mm_ = 0;
+  Interpolation thinned_for_ = Interpolation::nearest;
 };
 
 // Set by anyone at any time: painting ends before the next row of patches and the picture is incomplete.

@@ -109,7 +109,8 @@ std::shared_ptr<const FrameTable> RollingBand::table_of(PreparedSweep& sweep) {
   const auto lent = [](const FrameTable& table) {
     return std::shared_ptr<const FrameTable>(std::shared_ptr<void>(), &table);
   };
-  auto table = settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm) : lent(sweep.prepare());
+  auto table = settings_.thin_dense_frames ? sweep.prepare_thinned(plane_.pixel_mm, settings_.interpolation)
+                                           : lent(sweep.prepare());
   left_out_ = static_cast<int>(sweep.view().frames.size() - table->frames.size());
   strips_ = LayerStrips::count(*table, lattice_of_block(0));
   return table;

@@ -150,8 +150,8 @@ void Tile::keep_chain_only() {
   for (int& m : chain.members) m = place(m);
 }
 
-bool Tile::open(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-                Interpolation interpolation, int a, int b, double thin_mm, LeftOut& count) {
+bool Tile::find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
+                Interpolation interpolation, int a, int b) {
   table = &frame_table;
   block = {a,
            b,
@@ -161,19 +161,22 @@ bool Tile::open(const FrameTable& frame_table, const Lattice& lattice, const std
            lattice.layers};
   box = box_of(block);
   cull(frame_table, near, box, interpolation, candidates);
-  if (candidates.empty()) return false;
   is_chain = make_chain(frame_table, candidates, box, chain);
-  if (is_chain && thin_mm > 0) {
-    thin_chain(frame_table, candidates, box, thin_mm, interpolation, chain);
-    count.add(candidates.size(), chain.members.size());
-    keep_chain_only();
-  }
+  return !candidates.empty();
+}
+
+void Tile::thin(Interpolation interpolation, double thin_mm, LeftOut& count) {
+  thin_chain(*table, candidates, box, thin_mm, interpolation, chain);
+  count.add(candidates.size(), chain.members.size());
+  keep_chain_only();
+}
+
+void Tile::open(const Lattice& lattice, Interpolation interpolation) {
   shape = choose_shape(lattice, interpolation);
   grid = lane_grid(shape);
-  make_frames(lattice, a, b, interpolation == Interpolation::linear ? 2 : 1);
+  make_frames(lattice, block.a, block.b, interpolation == Interpolation::linear ? 2 : 1);
   for (std::size_t c = 0; c < candidates.size(); ++c)
-    prefetch(frame_table, lattice, block, frames[c], candidates[c]);
-  return true;
+    prefetch(*table, lattice, block, frames[c], candidates[c]);
 }
 
 }  // namespace sonoband

@@ -20,6 +20,7 @@ struct TileFrame {
 // Frames of chains that could be thinned, and those of them that were left out.
 struct LeftOut {
   std::int64_t reached = 0, left_out = 0;
+  // Of all frames, kept ones stay.
   void add(std::size_t all, std::size_t kept) {
     reached += static_cast<std::int64_t>(all);
     left_out += static_cast<std::int64_t>(all) - static_cast<std::int64_t>(kept);
@@ -37,10 +38,14 @@ struct Tile {
   bool is_chain = false;              // candidates are `chain` throughout the tile
   Chain chain;
 
-  // False where no frame reaches the tile at sample a, row b. `near` are those of the table that may matter,
-  // ascending. A chain is thinned to `thin_mm`, if not 0, and `count` told.
-  bool open(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-            Interpolation interpolation, int a, int b, double thin_mm, LeftOut& count);
+  // Finds the candidates of the tile at sample a, row b, and whether they are a chain. False where no frame
+  // reaches it. `near` are those of the table that may matter, ascending.
+  bool find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
+            Interpolation interpolation, int a, int b);
+  // Thins a chain to `thin_mm` by the rule of chain.h.
+  void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
+  // Makes what patches share of the candidates, and asks for their pixels.
+  void open(const Lattice& lattice, Interpolation interpolation);
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 

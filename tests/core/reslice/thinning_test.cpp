@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/reslice/band.h"
+#include "core/reslice/thinning.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/support/support.h"
 #include "tests/support/test_sweep.h"
@@ -30,12 +31,12 @@ void add_frames(test::TestSweep& sweep, int count, double spacing_mm) {
   }
 }
 
-// A thin plane across the frames, turned in itself, well inside their pictures.
-ReslicePlane plane_across(double turn_deg) {
+// A thin plane across the frames, turned in itself: well inside their pictures about the middle (12, 7, 5)
+// mm.
+ReslicePlane plane_across(double turn_deg, const Eigen::Vector3d& middle = {12, 7, 5}) {
   const Eigen::Matrix3d axes = (Eigen::AngleAxisd(M_PI / 2 + 0.2, Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(turn_deg * M_PI / 180, Eigen::Vector3d::UnitZ()))
                                    .toRotationMatrix();
-  const Eigen::Vector3d middle(12, 7, 5);
   return *make_plane(middle - 4.0 * axes.col(0) - 4.0 * axes.col(1), axes.col(0), axes.col(1), 41, 41,
                      pixel_mm);
 }
@@ -57,6 +58,23 @@ bool is_nearest(const test::TestSweep& sweep, const TrackedFrame& f, const Eigen
   const double z = std::abs(foot(f, p).z());
   return std::all_of(sweep.view().frames.begin(), sweep.view().frames.end(),
                      [&](const TrackedFrame* other) { return std::abs(foot(*other, p).z()) >= z - 1e-4; });
+}
+
+bool contains(const TrackedFrame& f, const Eigen::Vector3d& at) {
+  return at.x() >= -0.5 && at.y() >= -0.5 && at.x() < f.bscan.pixels.width - 0.5 &&
+         at.y() < f.bscan.pixels.height - 0.5;
+}
+
+// Of the frames about p some hold its foot and some do not, or they are all on one side of it.
+bool at_an_edge(const test::TestSweep& sweep, const Eigen::Vector3d& p) {
+  bool some_hold = false, some_do_not = false, above = false, below = false;
+  for (const TrackedFrame* f : sweep.view().frames) {
+    const Eigen::Vector3d at = foot(*f, p);
+    if (std::abs(at.z()) > 3 * pixel_mm) continue;
+    (contains(*f, at) ? some_hold : some_do_not) = true;
+    (at.z() > 0 ? above : below) = true;
+  }
+  return (some_hold && some_do_not) || !above || !below;
 }
 
 std::uint8_t nearest_pixel(const TrackedFrame& f, const Eigen::Vector3d& at) {
@@ -138,6 +156,36 @@ TEST_P(DenseFrames, KeepsTheDefinitionWithinHalfAPixel) {
   }
 }
 
+// Tiles and patches in which pictures end, where frames are no chain.
+TEST_P(DenseFrames, KeepTheDefinitionWithinHalfAPixelBesideTheirEdges) {
+  const double spacing_mm = GetParam();
+  test::TestSweep sweep;
+  add_frames(sweep, static_cast<int>(10 / spacing_mm), spacing_mm);
+  Serial serial;
+  int compared = 0;
+  for (const double turn_deg : {0.0, 35.0}) {
+    const ReslicePlane plane = plane_across(turn_deg, {22, 7, 5});
+    RenderSettings settings = thin_settings(Interpolation::nearest);
+    const BandImage image = render_planar(sweep.view(), plane, settings, serial);
+    EXPECT_GT(image.frames_left_out, 0);
+    settings.thin_dense_frames = false;
+    const BandImage exact = render_planar(sweep.view(), plane, settings, serial);
+    for (int y = 0; y < plane.height; ++y) {
+      for (int x = 0; x < plane.width; ++x) {
+        const Eigen::Vector3d p =
+            (plane.origin + (x * pixel_mm) * plane.right + (y * pixel_mm) * plane.down).v;
+        if (at_an_edge(sweep, p)) continue;
+        ASSERT_EQ(image.coverage.view()(x, y), exact.coverage.view()(x, y));
+        if (image.coverage.view()(x, y) == 0) continue;
+        ++compared;
+        ASSERT_TRUE(found_near(sweep, p, image.pixels.view()(x, y)))
+            << x << "," << y << " turned by " << turn_deg;
+      }
+    }
+  }
+  EXPECT_GT(compared, 1000);
+}
+
 INSTANTIATE_TEST_SUITE_P(Spacings, DenseFrames, testing::Values(0.1, 0.07, 0.025));
 
 TEST(Thinning, LeavesOutWhatTheRuleLets) {
@@ -155,6 +203,34 @@ TEST(Thinning, LeavesOutWhatTheRuleLets) {
   EXPECT_GE(left_out(0.025, Interpolation::linear), 320);
   EXPECT_EQ(left_out(0.3, Interpolation::nearest), 0);
   EXPECT_EQ(left_out(0.3, Interpolation::linear), 0);
+}
+
+// 0.1 mm apart and a pixel of 0.25 mm: a frame is at most two gaps from the one before the next that stays.
+TEST(Thinning, ForNearestCountsFromTheFrameBeforeTheNext) {
+  test::TestSweep sweep;
+  const auto add = [&](double z, double tilt) {
+    const Eigen::Matrix3d axes = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    sweep.add(20, 10, test::image_pose(axes, {0, 0, z}, 0.25),
+              [](int, int, const Eigen::Vector3d&) { return std::uint8_t{9}; });
+  };
+  for (int i = 0; i <= 40; ++i) add(0.1 * i, 0);
+  std::vector<const TrackedFrame*> kept = thinned_for_nearest(sweep.view(), 0.25);
+  ASSERT_EQ(kept.size(), 15U);
+  for (int i = 0; i < 14; ++i) EXPECT_EQ(kept[i], sweep.view().frames[3 * i]);
+  EXPECT_EQ(kept.back(), sweep.view().frames.back());
+  // The way back, beginning with a frame that crosses the last and one that turns round: those and the last
+  // of the way there stay.
+  add(4.1, 0.2);
+  for (int i = 1; i <= 4; ++i) add(4.1 - 0.1 * i, 0);
+  kept = thinned_for_nearest(sweep.view(), 0.25);
+  const auto stays = [&](int i) {
+    return std::find(kept.begin(), kept.end(), sweep.view().frames[i]) != kept.end();
+  };
+  EXPECT_TRUE(stays(40));
+  EXPECT_TRUE(stays(41));
+  EXPECT_TRUE(stays(42));
+  EXPECT_TRUE(stays(45));
+  EXPECT_FALSE(stays(43) && stays(44));
 }
 
 // A bundle that is the plane's, and any number of threads, leave out the same frames.
