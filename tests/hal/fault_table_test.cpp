@@ -72,7 +72,7 @@ std::string row(const char* name, const char* device, BytePort& port, test::Step
   const LinkCounters& c = tracker.counters();
   std::array<char, 400> text{};
   std::snprintf(text.data(), text.size(), "| %s | %s | %s | %llu | %.1f s |", name, device,
-                said.empty() ? "went on" : said.c_str(), static_cast<unsigned long long>(c.lost + c.jumps),
+                said.empty() ? "went on" : said.c_str(), static_cast<unsigned long long>(c.lost) + c.jumps,
                 seconds(longest));
   return text.data();
 }

@@ -41,7 +41,8 @@ class CurveVerbs : public ToolTest {
       exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Image", "Reference"}, pose);
       for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 60; ++x)
-          s.pixels.bytes()[static_cast<std::size_t>((i * 40 + y) * 60 + x)] =
+          s.pixels.bytes()[(static_cast<std::size_t>(i) * 40 + static_cast<std::size_t>(y)) * 60 +
+                           static_cast<std::size_t>(x)] =
               static_cast<std::uint8_t>((x * 37 + y * 91 + i * 53 + x * y) % 251);
     }
     exchange::write_sequence(s, path("sweep.mha"));
@@ -152,7 +153,7 @@ TEST_F(CurveVerbs, SmearPictureMarksTheShockOfACorner) {
     ASSERT_EQ(smear.height, 41);
     int rows = 0;
     for (int y = 0; y < 41; ++y) {
-      rows += smear.bytes[static_cast<std::size_t>(y * smear.width)] == 255;
+      rows += smear.bytes[static_cast<std::size_t>(y) * static_cast<std::size_t>(smear.width)] == 255;
       // Four layers on the inside, 2 k cot 45 degrees = 8 rows about the corner in row 20.
       EXPECT_EQ(smear.bytes[static_cast<std::size_t>(y * smear.width)], std::abs(y - 20) <= 4 ? 255 : 0) << y;
     }

@@ -1,5 +1,4 @@
 // exams, export, import and verify on an exam whose every pixel is known.
-#include <arpa/inet.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,6 +15,7 @@
 #include "core/reslice/default_plane.h"
 #include "hal/sim/virtual_clock.h"
 #include "tests/support/support.h"
+#include "tests/tools/processes.h"
 #include "tests/tools/tool_runner.h"
 
 namespace sonoband::test {
@@ -52,7 +52,7 @@ class ExamVerbs : public ToolTest {
       f.stamped = f.captured + Duration(64'800'001);
       f.arrived = f.stamped + Duration(77);
       f.device_ns = 5 + i;
-      f.device_count = static_cast<std::uint64_t>(100 + i);
+      f.device_count = 100 + static_cast<std::uint64_t>(i);
       f.pose_status = i % 6 == 5 ? PoseStatus::gap : PoseStatus::ok;
       Rigid<frame::World, frame::Probe> pose;
       pose.rotation = Eigen::AngleAxisd(0.013 * i, Eigen::Vector3d(3, 1, 2).normalized()).toRotationMatrix();
@@ -278,27 +278,19 @@ TEST_F(ExamVerbs, WritesPictures) {
 }
 
 TEST_F(ExamVerbs, ServesASweepOverOpenIGTLink) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
-  ::bind(probe, reinterpret_cast<sockaddr*>(&address), size);
-  ::getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(probe);
+  const std::uint16_t port = free_port();
   ToolRun served;
   std::thread server([&] {
-    served = run_tool({"serve", file, "--igtl", std::to_string(ntohs(address.sin_port)), "--for", "0.6"});
+    served = run_tool({"serve", file, "--igtl", std::to_string(port), "--for", "0.6"});
   });
   std::string got;
   for (int i = 0; i < 100 && got.find("IMAGE") == std::string::npos; ++i) {
-    const int s = ::socket(AF_INET, SOCK_STREAM, 0);
-    if (::connect(s, reinterpret_cast<sockaddr*>(&address), size) == 0) {
+    if (const int s = connected(port); s >= 0) {
       char bytes[4096];
       for (ssize_t n; got.size() < 20000 && (n = ::recv(s, bytes, sizeof bytes, 0)) > 0;)
         got.append(bytes, static_cast<std::size_t>(n));
+      ::close(s);
     }
-    ::close(s);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   server.join();

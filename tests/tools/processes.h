@@ -51,7 +51,8 @@ inline std::uint16_t free_port() {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ::bind(s, reinterpret_cast<sockaddr*>(&address), sizeof address);
+  static_cast<void>(
+      ::bind(s, reinterpret_cast<sockaddr*>(&address), sizeof address));  // port 0 is always to be had
   socklen_t size = sizeof address;
   ::getsockname(s, reinterpret_cast<sockaddr*>(&address), &size);
   ::close(s);

@@ -258,7 +258,8 @@ TEST_F(Verbs, VoxelsLieWhereTheHeaderSays) {
   EXPECT_EQ(s.geometry.origin_mm, (std::vector<double>{-1, 0, 0}));
   EXPECT_EQ(s.geometry.spacing_mm, (std::vector<double>{1, 1, 1}));
   const auto voxel = [&](int i, int j, int k) {
-    return s.pixels.bytes()[static_cast<std::size_t>(k * 60 + j * 10 + i)];
+    return s.pixels.bytes()[static_cast<std::size_t>(k) * 60 + static_cast<std::size_t>(j) * 10 +
+                            static_cast<std::size_t>(i)];
   };
   EXPECT_EQ(voxel(7, 4, 10), 250);
   EXPECT_EQ(voxel(6, 4, 10), 11);

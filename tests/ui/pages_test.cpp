@@ -9,8 +9,6 @@
 namespace sonoband::test {
 namespace {
 
-namespace command = ui::command;
-
 struct Page {
   const char* name;
   ui::View (*view)();

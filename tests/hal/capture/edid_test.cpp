@@ -15,7 +15,7 @@ struct Timing {
 };
 
 Timing timing_of(const std::array<std::uint8_t, 128>& e) {
-  const auto at = [&](int i) { return static_cast<int>(e[static_cast<std::size_t>(54 + i)]); };
+  const auto at = [&](int i) { return static_cast<int>(e[54 + static_cast<std::size_t>(i)]); };
   Timing t{at(2) | (at(4) >> 4) << 8, at(5) | (at(7) >> 4) << 8, at(3) | (at(4) & 15) << 8,
            at(6) | (at(7) & 15) << 8, 0};
   t.rate_hz = 10'000.0 * (at(0) | at(1) << 8) / ((t.width + t.blank_x) * (t.height + t.blank_y));

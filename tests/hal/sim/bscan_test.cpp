@@ -253,7 +253,7 @@ TEST(Bscan, FlowIsRedTowardsAndBlueAwayWithinTheBoxOnly) {
   const auto pixel = [&](double x_mm, double y_mm) {
     const auto x = static_cast<int>(std::lround((s.width_px - 1) / 2.0 + x_mm / s.pixel_mm));
     const auto y = static_cast<int>(std::lround(s.face_row_px + y_mm / s.pixel_mm));
-    return &rgb[static_cast<std::size_t>(3 * (y * s.width_px + x))];
+    return rgb.data() + std::ptrdiff_t{3} * (std::ptrdiff_t{y} * s.width_px + x);
   };
   const doppler::ColourBar bar = doppler::red_blue_bar();
   const doppler::Rgb red = flow_colour(bar, static_cast<int>(std::lround(63 * 300 / 400.0)));
@@ -265,7 +265,7 @@ TEST(Bscan, FlowIsRedTowardsAndBlueAwayWithinTheBoxOnly) {
   EXPECT_TRUE(near(pixel(8, 15), blue));
   const std::uint8_t* below = pixel(0, 38);  // outside the box: grey
   EXPECT_EQ(below[0], below[2]);
-  const std::uint8_t* corner = &rgb[static_cast<std::size_t>(3 * (29 * s.width_px + 29))];
+  const std::uint8_t* corner = rgb.data() + std::ptrdiff_t{3} * (std::ptrdiff_t{29} * s.width_px + 29);
   EXPECT_EQ(int{corner[0]} + corner[1] + corner[2], 3 * 255);
 }
 

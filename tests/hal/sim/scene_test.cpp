@@ -53,7 +53,7 @@ TEST(Scene, PixelsAgreeWithPosesCalibrationAndLatency) {
   double wrong_sign = 0;
   for (int y = 0; y < 480; y += 60) {
     for (int x = 0; x < 640; x += 64) {
-      const double grey = picture[static_cast<std::size_t>(y * 640 + x)];
+      const double grey = picture[static_cast<std::size_t>(y) * 640 + static_cast<std::size_t>(x)];
       EXPECT_NEAR(grey, predicted(captured - scene.scanner_latency, x, y), 0.5001);
       wrong_sign += std::abs(grey - predicted(captured + scene.scanner_latency, x, y)) / 80;
     }

@@ -12,7 +12,7 @@ namespace sonoband::liberty {
 namespace {
 
 using test::Bytes;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): clang-tidy 14 misses operators
 
 const Duration period = from_seconds(1.0 / 240);
 

@@ -13,7 +13,7 @@ namespace sonoband::liberty {
 namespace {
 
 using test::Bytes;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): clang-tidy 14 misses operators
 
 Packet packet(const Bytes& bytes) {
   return {.tag = static_cast<Tag>(wire::load_u16(bytes.data())),

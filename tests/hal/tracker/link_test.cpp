@@ -12,7 +12,7 @@ namespace sonoband {
 namespace {
 
 using test::Bytes;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): clang-tidy 14 misses operators
 
 // Plays an obedient unit by hand: answers questions, stays silent to settings.
 class Conversation {
@@ -88,8 +88,8 @@ TEST(Link, SaysExactlyThisToALiberty) {
 TEST(Link, LeavesOutWhatAPatriotHasNot) {
   Conversation c(test::ascii("PA"));
   c.run(1.05);
-  EXPECT_EQ(c.sent.find("R"), std::string::npos) << c.sent;
-  EXPECT_EQ(c.sent.find("G"), std::string::npos);
+  EXPECT_EQ(c.sent.find('R'), std::string::npos) << c.sent;
+  EXPECT_EQ(c.sent.find('G'), std::string::npos);
   EXPECT_NE(c.sent.find("Q0\rC\r"), std::string::npos);
 }
 

@@ -11,7 +11,7 @@ namespace {
 using namespace viper;
 using test::Bytes;
 using test::hex;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): clang-tidy 14 misses operators
 
 // The worked examples of the protocol's description.
 const Bytes set_units =

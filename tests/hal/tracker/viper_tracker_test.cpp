@@ -13,7 +13,7 @@ using test::at;
 
 class ViperRig {
  public:
-  explicit ViperRig(sim::ViperSimConfig config = {}, const LinkConfig& link = {})
+  explicit ViperRig(const sim::ViperSimConfig& config = {}, const LinkConfig& link = {})
       : port(clock, quiet(config), test::hand), tracker(port, clock, link) {
     tracker.start();
   }
