@@ -3,6 +3,7 @@
 #include <GLES3/gl3.h>
 
 #include "ui/draw_frame.h"
+#include "ui/scene.h"
 
 namespace sonoband::ui {
 namespace {
@@ -158,9 +159,27 @@ float Draw::picture_height(Slot slot) const {
   return frame_.pictures->has(slot) ? static_cast<float>(frame_.pictures->height(slot)) : 0;
 }
 
-void Draw::texture(unsigned name, const Rect& r) {
-  frame_.list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(name)), {r.x, r.y},
-                        {r.right(), r.bottom()}, {0, 1}, {1, 0});
+void Draw::scene(const SceneTexture& picture, const Rect& r) {
+  frame_.list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(picture.texture)),
+                        {r.x, r.y}, {r.right(), r.bottom()}, {0, picture.part.y}, {picture.part.x, 0});
+  note_kind(picture.kind);
+}
+
+// Of what Dear ImGui's renderer has just drawn.
+void Draw::note_kind(const TextureKind& texture) {
+  if (frame_.noted_count == static_cast<int>(frame_.noted.size())) return;
+  Noted& noted = frame_.noted[frame_.noted_count++];
+  noted = {frame_.kinds, texture};
+  frame_.list->AddCallback(
+      [](const ImDrawList*, const ImDrawCmd* command) {
+        const auto& it = *static_cast<const Noted*>(command->UserCallbackData);
+        it.kinds->note(it.texture);
+      },
+      &noted);
+}
+
+void Draw::end() {
+  note_kind(frame_.type_kind);
 }
 
 void Draw::picture(Slot slot, const Rect& r, const Look& look) {

@@ -62,6 +62,8 @@ enum class Icon : char16_t {
 
 enum class Align : std::uint8_t { left, centre, right };
 
+struct SceneTexture;  // ui/scene.h
+
 class Draw {
  public:
   // `list` is the frame's Dear ImGui draw list, `fonts` its five fonts in the order of Type.
@@ -97,10 +99,14 @@ class Draw {
   void picture(Slot slot, const Rect& r, const Look& look);
   float picture_width(Slot slot) const;  // in its own pixels; 0: there is none
   float picture_height(Slot slot) const;
-  // A texture made elsewhere, its rows from the bottom.
-  void texture(unsigned name, const Rect& r);
+  void scene(const SceneTexture& picture, const Rect& r);
+
+  // After everything else of the frame.
+  void end();
 
  private:
+  void note_kind(const TextureKind& texture);
+
   Frame& frame_;
 };
 

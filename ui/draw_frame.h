@@ -20,6 +20,12 @@ struct PictureOrder {
   float screen_height = 0;
 };
 
+// Waits there for its draw call.
+struct Noted {
+  DrawKinds* kinds = nullptr;
+  TextureKind texture;
+};
+
 struct Draw::Frame {
   ImDrawList* list = nullptr;
   std::array<ImFont*, 5> fonts{};  // in the order of Type
@@ -27,6 +33,10 @@ struct Draw::Frame {
   Pictures* pictures = nullptr;
   std::array<PictureOrder, 64> orders{};  // more pictures than that on one screen are not drawn
   int order_count = 0;
+  DrawKinds* kinds = nullptr;
+  TextureKind type_kind;         // of the texture that holds the fonts
+  std::array<Noted, 8> noted{};  // one for each Outline, and one
+  int noted_count = 0;
   float screen_width = 0;
   float screen_height = 0;
 };

@@ -31,12 +31,13 @@ uniform sampler2D picture;
 uniform sampler2D palette;
 uniform vec4 window;
 uniform vec3 no_data;
+uniform vec2 part;  // of the texture
 uniform int mode;
 in vec2 uv;
 out vec4 colour;
 float windowed(float grey) { return clamp((grey - 0.5) * window.y + 0.5 + window.x, 0.0, 1.0); }
 void main() {
-  vec2 texel = texture(picture, uv).rg;
+  vec2 texel = texture(picture, part * clamp(uv, 0.0, 1.0)).rg;
   vec3 light;
   float key = floor(texel.r * 255.0 + 0.5);
   if (mode == 0) {
@@ -55,17 +56,19 @@ void main() {
 }
 )";
 
-constexpr int largest_side = 4096;  // ES 3.0 promises 2048, every board of the last ten years has 4096
+// ES 3.0 promises 2048, every board of the last ten years has 4096, of which one is kept for the edge.
+constexpr int largest_side = 4095;
 
 }  // namespace
 
-Pictures::Pictures() {
+Pictures::Pictures(DrawKinds& kinds) : kinds_(kinds) {
   program_ = gl::make_program(vertex_source, fragment_source);
   at_target_ = glGetUniformLocation(program_, "target");
   at_source_ = glGetUniformLocation(program_, "source");
   at_window_ = glGetUniformLocation(program_, "window");
   at_mode_ = glGetUniformLocation(program_, "mode");
   at_no_data_ = glGetUniformLocation(program_, "no_data");
+  at_part_ = glGetUniformLocation(program_, "part");
   glUseProgram(program_);
   glUniform1i(glGetUniformLocation(program_, "picture"), 0);
   glUniform1i(glGetUniformLocation(program_, "palette"), 1);
@@ -124,10 +127,32 @@ void Pictures::send() {
   }
 }
 
+// Value and, where there is any, coverage side by side, packed; beyond the picture its edge once more.
+void Pictures::stage(const Held& held) {
+  const Picture& picture = held.to_send;
+  const std::size_t channels = held.has_coverage ? 2 : 1;
+  const std::size_t row_bytes = channels * static_cast<std::size_t>(held.texture_width());
+  staging_.resize(row_bytes * static_cast<std::size_t>(held.texture_height()));
+  for (int y = 0; y < held.texture_height(); ++y) {
+    const int from = std::min(y, held.height - 1);
+    const std::uint8_t* value = picture.pixels.row(from);
+    std::uint8_t* out = staging_.data() + static_cast<std::size_t>(y) * row_bytes;
+    if (held.has_coverage) {
+      const std::uint16_t* cover = picture.coverage.row(from);
+      for (int x = 0; x < held.width; ++x) {
+        out[2 * x] = value[x];
+        out[2 * x + 1] = cover[x] != 0 ? 255 : 0;
+      }
+    } else {
+      std::copy_n(value, held.width, out);
+    }
+    std::uint8_t* beyond = out + channels * static_cast<std::size_t>(held.width);
+    if (beyond != out + row_bytes) std::copy_n(beyond - channels, channels, beyond);
+  }
+}
+
 void Pictures::send(Held& held) {
   const Picture& picture = held.to_send;
-  const int width = held.width;
-  const int height = held.height;
   const bool covered = held.has_coverage;
   const bool fresh = held.texture == 0;
   if (fresh) glGenTextures(1, &held.texture);
@@ -138,18 +163,11 @@ void Pictures::send(Held& held) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
   const GLenum format = covered ? GL_RG : GL_RED;
+  const int width = held.texture_width();
+  const int height = held.texture_height();
   const void* bytes = picture.pixels.data;
-  if (covered) {
-    staging_.resize(static_cast<std::size_t>(width) * height * 2);
-    for (int y = 0; y < height; ++y) {
-      const std::uint8_t* value = picture.pixels.row(y);
-      const std::uint16_t* cover = picture.coverage.row(y);
-      std::uint8_t* out = staging_.data() + static_cast<std::size_t>(y) * width * 2;
-      for (int x = 0; x < width; ++x) {
-        out[2 * x] = value[x];
-        out[2 * x + 1] = cover[x] != 0 ? 255 : 0;
-      }
-    }
+  if (covered || width != held.width || height != held.height) {
+    stage(held);
     bytes = staging_.data();
   } else {
     glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(picture.pixels.stride));
@@ -167,6 +185,13 @@ void Pictures::send(Held& held) {
   held.has_room = true;
 }
 
+TextureKind Pictures::texture_kind(Slot slot, bool smooth) const {
+  const Held& held = at(slot);
+  const bool between = smooth && held.kind == PixelKind::grey;
+  return ui::texture_kind(held.has_coverage ? GL_RG8 : GL_R8, between ? GL_LINEAR : GL_NEAREST,
+                          held.texture_width(), held.texture_height());
+}
+
 void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,
                      float screen_height) {
   const Held& held = at(slot);
@@ -179,14 +204,15 @@ void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Lo
   glBindTexture(GL_TEXTURE_2D, palette_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, held.texture);
-  const GLint filter = look.smooth && held.kind == PixelKind::grey ? GL_LINEAR : GL_NEAREST;
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  const TextureKind read = texture_kind(slot, look.smooth);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(read.filter));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(read.filter));
   glUniform4f(at_target_, 2 * target.x / screen_width - 1, 1 - 2 * target.y / screen_height,
               2 * target.right() / screen_width - 1, 1 - 2 * target.bottom() / screen_height);
   // Pixel centres are at integers, texture edges at 0 and 1.
   glUniform4f(at_source_, (source.x + 0.5f) / w, (source.y + 0.5f) / h, (source.right() + 0.5f) / w,
               (source.bottom() + 0.5f) / h);
+  glUniform2f(at_part_, held.part().x, held.part().y);
   glUniform4f(at_window_, look.gain, look.contrast, static_cast<float>(look.least_level),
               held.has_coverage ? 1.0f : 0.0f);
   glUniform1i(at_mode_, held.kind == PixelKind::grey ? 0 : (look.colour ? 1 : 2));
@@ -194,6 +220,7 @@ void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Lo
   glUniform3f(at_no_data_, static_cast<float>(none >> 24) / 255, static_cast<float>(none >> 16 & 255) / 255,
               static_cast<float>(none >> 8 & 255) / 255);
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  kinds_.note(read);
 }
 
 }  // namespace sonoband::ui

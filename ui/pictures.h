@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image/image.h"
+#include "ui/draw_kinds.h"
 #include "ui/rect.h"
 
 namespace sonoband::ui {
@@ -39,13 +40,14 @@ struct Look {
 
 class Pictures {
  public:
-  Pictures();  // needs a current context, as everything below and the destructor do
+  // Needs a current context, as everything below and the destructor do.
+  explicit Pictures(DrawKinds& kinds);
   ~Pictures();
   Pictures(const Pictures&) = delete;
   Pictures& operator=(const Pictures&) = delete;
 
   // From now on the slot has this picture, which is sent with the next `send` if it differs from what the
-  // slot holds; until then it is borrowed. Pictures larger than 4096 on a side are cut.
+  // slot holds; until then it is borrowed. Pictures larger than 4095 on a side are cut.
   void show(Slot slot, const Picture& picture);
   void send();
 
@@ -53,6 +55,10 @@ class Pictures {
   int width(Slot slot) const { return at(slot).width; }
   int height(Slot slot) const { return at(slot).height; }
   unsigned texture(Slot slot) const { return at(slot).texture; }
+  // The picture is this part of its texture, from the first texel on; the rest repeats its edge.
+  Vec2 part(Slot slot) const { return at(slot).part(); }
+  // As it is drawn, smooth or not.
+  TextureKind texture_kind(Slot slot, bool smooth) const;
   PixelKind kind(Slot slot) const { return at(slot).kind; }
   bool has_coverage(Slot slot) const { return at(slot).has_coverage; }
   unsigned palette() const { return palette_; }
@@ -73,16 +79,25 @@ class Pictures {
     std::uint64_t version = 0;
     bool has_room = false;  // the texture is of this size and kind
     Picture to_send;        // version 0: nothing
+
+    int texture_width() const { return off_power_of_two(width); }
+    int texture_height() const { return off_power_of_two(height); }
+    Vec2 part() const {
+      return {static_cast<float>(width) / static_cast<float>(texture_width()),
+              static_cast<float>(height) / static_cast<float>(texture_height())};
+    }
   };
   void send(Held& held);
+  void stage(const Held& held);
   const Held& at(Slot slot) const { return held_[static_cast<std::size_t>(slot)]; }
 
+  DrawKinds& kinds_;
   std::array<Held, slot_count> held_{};
-  std::vector<std::uint8_t> staging_;  // value and coverage interleaved
+  std::vector<std::uint8_t> staging_;  // what is not sent as it lies
   unsigned palette_ = 0;               // 256 colours of the Doppler keys
   unsigned program_ = 0;
   unsigned vertices_ = 0;
-  int at_target_ = -1, at_source_ = -1, at_window_ = -1, at_mode_ = -1, at_no_data_ = -1;
+  int at_target_ = -1, at_source_ = -1, at_window_ = -1, at_mode_ = -1, at_no_data_ = -1, at_part_ = -1;
   std::uint64_t uploads_ = 0;
 };
 

@@ -8,11 +8,13 @@
 #include <stdexcept>
 
 #include "ui/draw_frame.h"
+#include "ui/draw_kinds.h"
 #include "ui/gl.h"
 #include "ui/panels/panels.h"
 #include "ui/scene.h"
 #include "ui/shortcuts.h"
 #include "ui/ui.h"
+#include "ui/warm_up.h"
 
 namespace sonoband::ui {
 namespace {
@@ -53,9 +55,10 @@ struct Screen::Parts {
     gestures.reserve(64);
     if (!ImGui_ImplOpenGL3_Init("#version 300 es"))
       throw std::runtime_error("Dear ImGui's renderer does not start");
-    pictures = std::make_unique<Pictures>();
-    scene = std::make_unique<Scene>(*pictures);
+    pictures = std::make_unique<Pictures>(kinds);
+    scene = std::make_unique<Scene>(*pictures, kinds);
     frame.pictures = pictures.get();
+    frame.kinds = &kinds;
   }
   ~Parts() {
     ImGui::SetCurrentContext(context);
@@ -66,6 +69,9 @@ struct Screen::Parts {
   }
 
   void make_fonts();
+  void measure(Vec2 size);
+  void begin(Vec2 size);
+  void submit();
   void recognise(const Input& input, Stamp now);
   void feed_pointer();
 
@@ -73,6 +79,7 @@ struct Screen::Parts {
   FontFiles fonts;
   Texts texts;
   ImGuiContext* context;
+  DrawKinds kinds;
   std::unique_ptr<Pictures> pictures;
   std::unique_ptr<Scene> scene;
   Draw::Frame frame;
@@ -102,7 +109,36 @@ void Screen::Parts::make_fonts() {
       add_font(*io.Fonts, fonts.icons, std::round(symbol_size * metrics.unit), symbols, "the symbols");
   if (!io.Fonts->Build()) throw std::runtime_error("the fonts cannot be rasterised: are they damaged?");
   ImGui_ImplOpenGL3_CreateFontsTexture();
+  frame.type_kind = texture_kind(GL_RGBA8, GL_LINEAR, io.Fonts->TexWidth, io.Fonts->TexHeight);
   font_unit = metrics.unit;
+}
+
+void Screen::Parts::measure(Vec2 size) {
+  metrics =
+      metrics_for(static_cast<int>(size.x), static_cast<int>(size.y), settings.width_mm, settings.scale);
+}
+
+// A frame of Dear ImGui, to be drawn on with `frame`.
+void Screen::Parts::begin(Vec2 size) {
+  ImGui::GetIO().DisplaySize = {size.x, size.y};
+  if (font_unit != metrics.unit) make_fonts();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+  frame.list = ImGui::GetBackgroundDrawList();
+  frame.order_count = 0;
+  frame.noted_count = 0;
+  frame.screen_width = size.x;
+  frame.screen_height = size.y;
+}
+
+void Screen::Parts::submit() {
+  glViewport(0, 0, static_cast<GLsizei>(frame.screen_width), static_cast<GLsizei>(frame.screen_height));
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  unsigned error = 0;
+  counts.gl_errors += static_cast<std::uint64_t>(gl::take_errors(error));
 }
 
 // Gestures of this frame, each with what it landed on: the widget that the last frame had there, which is the
@@ -171,8 +207,30 @@ Screen::~Screen() = default;
 
 const Commands& Screen::frame(const View& view, const Input& input, Stamp now, Vec2 size) {
   build(view, input, now, size);
+  send_pictures();
+  draw_outline();
   submit();
   return parts_->commands;
+}
+
+void Screen::warm_up(Vec2 size) {
+  Parts& p = *parts_;
+  ImGui::SetCurrentContext(p.context);
+  p.measure(size);
+  WarmUp unseen(*p.pictures, *p.scene);
+  for (int i = 0; i < WarmUp::frames; ++i) {
+    p.begin(size);
+    Draw draw(p.frame);
+    unseen.draw(i, draw);
+    draw.end();
+    ImGui::Render();
+    p.pictures->send();
+    p.scene->draw();
+    p.submit();
+  }
+  // A driver may put the work off until somebody asks for it.
+  glFinish();
+  p.kinds.warm();
 }
 
 const Commands& Screen::build(const View& view, const Input& input, Stamp now, Vec2 size) {
@@ -180,25 +238,15 @@ const Commands& Screen::build(const View& view, const Input& input, Stamp now, V
   ImGui::SetCurrentContext(p.context);
   p.commands.clear();
   const Metrics before = p.metrics;
-  p.metrics =
-      metrics_for(static_cast<int>(size.x), static_cast<int>(size.y), p.settings.width_mm, p.settings.scale);
+  p.measure(size);
   if (before.px_per_mm != p.metrics.px_per_mm || p.counts.frames == 0) {
     p.recogniser = GestureRecogniser(limits_for(p.metrics.px_per_mm));
   }
   p.recognise(input, now);
   p.feed_pointer();
-
-  ImGuiIO& io = ImGui::GetIO();
-  io.DisplaySize = {size.x, size.y};
-  io.DeltaTime = std::clamp(static_cast<float>(seconds(now - p.last)), 0.001f, 0.5f);
+  ImGui::GetIO().DeltaTime = std::clamp(static_cast<float>(seconds(now - p.last)), 0.001f, 0.5f);
   p.last = now;
-  if (p.font_unit != p.metrics.unit) p.make_fonts();
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui::NewFrame();
-  p.frame.list = ImGui::GetBackgroundDrawList();
-  p.frame.order_count = 0;
-  p.frame.screen_width = size.x;
-  p.frame.screen_height = size.y;
+  p.begin(size);
 
   Draw draw(p.frame);
   Finger finger;
@@ -209,26 +257,23 @@ const Commands& Screen::build(const View& view, const Input& input, Stamp now, V
   Ui ui{draw, p.widgets, p.metrics, p.texts, p.gestures, finger, now, *p.scene, *p.pictures, p.commands};
   send_shortcuts(ui, view, input);
   draw_screen(ui, view);
+  draw.end();
   ImGui::Render();
   return p.commands;
 }
 
-void Screen::submit() {
-  Parts& p = *parts_;
-  ImGui::SetCurrentContext(p.context);
-  p.pictures->send();
-  p.scene->draw();
-  glViewport(0, 0, static_cast<GLsizei>(p.frame.screen_width), static_cast<GLsizei>(p.frame.screen_height));
-  glDisable(GL_SCISSOR_TEST);
-  glClearColor(0, 0, 0, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+void Screen::send_pictures() {
+  parts_->pictures->send();
+}
 
-  unsigned last = 0;
-  p.counts.gl_errors += static_cast<std::uint64_t>(gl::take_errors(last));
-  ++p.counts.frames;
-  p.counts.uploads = p.pictures->uploads();
-  p.counts.scenes = p.scene->renders();
+void Screen::draw_outline() {
+  parts_->scene->draw();
+}
+
+void Screen::submit() {
+  ImGui::SetCurrentContext(parts_->context);
+  parts_->submit();
+  ++parts_->counts.frames;
 }
 
 bool Screen::wants_frame() const {
@@ -244,7 +289,12 @@ const Metrics& Screen::metrics() const {
 }
 
 Screen::Counts Screen::counts() const {
-  return parts_->counts;
+  Counts c = parts_->counts;
+  c.uploads = parts_->pictures->uploads();
+  c.scenes = parts_->scene->renders();
+  c.kinds = parts_->kinds.met();
+  c.late_kinds = parts_->kinds.met_late();
+  return c;
 }
 
 }  // namespace sonoband::ui

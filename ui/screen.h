@@ -29,12 +29,19 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
+  // Draws what nobody is to see into the framebuffer that is bound, `size` pixels large: fonts and the
+  // driver's code are made then, not in a frame. To be called once, before the first.
+  void warm_up(Vec2 size);
+
   // Draws one frame into the framebuffer that is bound, `size` pixels large. What the input asked for is in
   // the commands returned, valid until the next call. `now` is the time of the frame on the clock of the
   // contacts.
   const Commands& frame(const View& view, const Input& input, Stamp now, Vec2 size);
-  // The two halves of it, to be timed apart: the panels' drawing commands, then the driver's work for them.
+  // The parts of it, in this order, to be timed apart: the panels' drawing commands; pictures sent; the
+  // Outline drawn; the driver's work for the frame. `submit` no longer needs what the view lent.
   const Commands& build(const View& view, const Input& input, Stamp now, Vec2 size);
+  void send_pictures();
+  void draw_outline();
   void submit();
 
   // A finger rests and a long press may come of it: make another frame though nothing happens.
@@ -46,9 +53,11 @@ class Screen {
 
   struct Counts {
     std::uint64_t frames = 0;
-    std::uint64_t gl_errors = 0;  // must stay 0
-    std::uint64_t uploads = 0;    // pictures sent to the graphics processor
-    std::uint64_t scenes = 0;     // times the Outline was drawn anew
+    std::uint64_t gl_errors = 0;   // must stay 0
+    std::uint64_t uploads = 0;     // pictures sent to the graphics processor
+    std::uint64_t scenes = 0;      // times the Outline was drawn anew
+    std::uint64_t kinds = 0;       // of draw call that the driver has met (draw_kinds.h)
+    std::uint64_t late_kinds = 0;  // of them first in a frame, not in the warm-up; should be 0
   };
   Counts counts() const;
 

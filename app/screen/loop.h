@@ -41,9 +41,10 @@ class ScreenLoop {
 
   // What the last draw took of this thread's processor time, for the speed table.
   struct Times {
-    Duration view{};    // the cart's and the session's news into the view
-    Duration panels{};  // the panels' drawing commands
-    Duration gl{};  // pictures sent, the driver's work for the frame; with a software rasteriser all of it
+    Duration view{};     // the cart's and the session's news into the view
+    Duration panels{};   // the panels' drawing commands
+    Duration sending{};  // new pictures to the graphics processor
+    Duration gl{};       // the driver's work for Outline and frame; with a software rasteriser all of it
     Duration commands{};
   };
   const Times& times() const { return times_; }

@@ -182,9 +182,9 @@ void draw_live_outline(Ui& ui, const Rect& r, const View& view) {
     return;
   }
   const Rect place = frame.inside;
-  const unsigned texture =
+  const SceneTexture picture =
       ui.scene.render(scene, static_cast<int>(place.width), static_cast<int>(place.height), ui.px(1));
-  ui.draw.texture(texture, place);
+  ui.draw.scene(picture, place);
   orbit_by_gestures(ui, "live/outline", place, review.orbit);
 }
 

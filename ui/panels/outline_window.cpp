@@ -32,7 +32,7 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
   scene.orbit = review.orbit;
   scene.look = review.look;
   const Rect place = frame.inside;
-  ui.draw.texture(
+  ui.draw.scene(
       ui.scene.render(scene, static_cast<int>(place.width), static_cast<int>(place.height), ui.px(1)), place);
   const OutlineView eye = ui.scene.view(scene, place);
   ui.draw.begin_clip(place);

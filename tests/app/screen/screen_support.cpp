@@ -75,6 +75,7 @@ ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settin
 
 ScreenCart::~ScreenCart() {
   EXPECT_EQ(loop_->screen().counts().gl_errors, 0u);
+  EXPECT_EQ(loop_->screen().counts().late_kinds, 0u) << "a frame waited for the driver (ui/draw_kinds.h)";
   player_.reset();
   loop_.reset();
   cart_->stop();
