@@ -12,7 +12,9 @@
 namespace sonoband {
 namespace {
 
-constexpr double budget_ms = 40;  // a B-scan's time: from here a band is felt to lag behind the finger
+// Of a frame at 60 a second, less what it takes to hand the band to the screen: what takes longer is coarse
+// at first, while a finger moves.
+constexpr double budget_ms = 12;
 // A finger that is down and still: so long, and so many turns, as a turn may be slow.
 constexpr Duration rests_after = std::chrono::milliseconds(150);
 constexpr int rests_after_turns = 4;

@@ -164,6 +164,9 @@ void measure(double length_s) {
     Series band{"finger event to the frame with the new band, ms", {}};
     Series band_cpu{"of that, outside the rasteriser: screen + render, cpu ms", {}};
     Series render{"of that, the 14 mm band on the render thread, cpu ms", {}};
+    Series render_layers{"  out of layers", {}}, render_coarse{"  coarse", {}}, render_whole{"  whole", {}};
+    Series sending{"of that, pictures sent, cpu ms a frame", {}};
+    Series queue{"of the wait, until the render thread took it up, ms", {}};
     Series first{"the first frame: fonts and shaders are made, cpu ms", {}};
     Series still{"while dragging: frames drawn from an event to its band", {}};
     Series age{"live: age of the newest picture when drawn, ms", {}};
@@ -211,8 +214,10 @@ void measure(double length_s) {
         heap.add(allocations);
         view.add(ms(times.view));
         panels.add(ms(times.panels));
-        outside.add(ms(times.view + times.panels + times.commands));
-        worked += ms(times.view + times.panels + times.commands);
+        const double own = ms(times.view + times.panels + times.sending + times.commands);
+        outside.add(own);
+        sending.add(ms(times.sending));
+        worked += own;
         const bool live = loop.session().page() == ui::Page::live;
         (live ? live_frames : review_frames).add(frame_cpu);
         ++without;
@@ -237,12 +242,15 @@ void measure(double length_s) {
             band.add(Ms(end - event).count());
             band_cpu.add(worked + result->planar->thread_ms);
             render.add(result->planar->thread_ms);
+            const PlanarPicture& p = *result->planar;
+            (p.coarse ? render_coarse : (p.from_layers ? render_layers : render_whole)).add(p.thread_ms);
+            queue.add(result->waited_ms);
             waiting = false;
           }
         }
         if (finger && !waiting && loop.worker().counts().asked != asked) {
           event = start;
-          worked = ms(times.view + times.panels + times.commands);
+          worked = own;
           waiting = true;
           without = 0;
           awaited = shown;
@@ -255,8 +263,9 @@ void measure(double length_s) {
     std::printf("| %-58s | %7s | %7s | %7s | %6s |\n|%s|--------:|--------:|--------:|-------:|\n",
                 "1280 x 800, acquisition at 60 a second", "p50", "p95", "worst", "n",
                 std::string(60, '-').c_str());
-    for (Series* s : {&view, &panels, &outside, &live_frames, &review_frames, &first, &frames, &band,
-                      &band_cpu, &render, &still, &age, &heap})
+    for (Series* s :
+         {&view, &panels, &outside, &live_frames, &review_frames, &first, &frames, &band, &band_cpu, &render,
+          &render_layers, &render_coarse, &render_whole, &sending, &queue, &still, &age, &heap})
       s->print();
     const LossLedger& ledger = cart->status().cart.acquisition.ledger;
     const auto over =
@@ -264,22 +273,25 @@ void measure(double length_s) {
     std::printf(
         "\nAcquired %llu pictures, lost %llu, skipped by the device %llu; frames of the screen over 50 ms: "
         "%lld; "
-        "GL errors: %llu\n",
+        "GL errors: %llu; kinds of draw call %llu, first met in a frame %llu\n",
         static_cast<unsigned long long>(ledger.received),
         static_cast<unsigned long long>(ledger.all_lost() - ledger.lost_for(LossCause::duplicate)),
         static_cast<unsigned long long>(ledger.device_gap), static_cast<long long>(over),
-        static_cast<unsigned long long>(loop.screen().counts().gl_errors));
+        static_cast<unsigned long long>(loop.screen().counts().gl_errors),
+        static_cast<unsigned long long>(loop.screen().counts().kinds),
+        static_cast<unsigned long long>(loop.screen().counts().late_kinds));
     print_dearest(dear);
     const RenderWorker::Counts jobs = loop.worker().counts();
     std::printf(
-        "Bands asked for %llu, painted %llu, of them out of layers %llu; coarse ones shown first %llu; "
+        "Bands asked for %llu, painted %llu, of them out of layers %llu; coarse ones shown first %llu, "
+        "planar ones before their manifolds %llu; "
         "layers "
         "got ready between in %.0f cpu ms of the render thread, %.0f MB kept at most; the band has %d x %d "
         "pixels and %d layers\n",
         static_cast<unsigned long long>(jobs.asked), static_cast<unsigned long long>(jobs.done),
         static_cast<unsigned long long>(jobs.from_layers), static_cast<unsigned long long>(jobs.coarse),
-        jobs.layers_ms, static_cast<double>(most_layer_bytes) / 1e6, last_plane.width, last_plane.height,
-        last_layers);
+        static_cast<unsigned long long>(jobs.early), jobs.layers_ms,
+        static_cast<double>(most_layer_bytes) / 1e6, last_plane.width, last_plane.height, last_layers);
   }
   cart->stop();
 }
@@ -289,6 +301,8 @@ void measure(double length_s) {
 
 int main(int argc, char** argv) {
   ::setenv("LP_NUM_THREADS", "0", 1);
+  // As on a cart whose driver has kept nothing of an earlier run.
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
   const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 60;
   try {
     if (seconds > 0) sonoband::measure(seconds);
