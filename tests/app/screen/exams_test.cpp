@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <thread>
 
 #include "app/exam/exam_reader.h"
 #include "tests/app/screen/screen_support.h"
@@ -17,17 +16,6 @@ ScreenCartSettings saving_into(const fs::path& folder) {
   settings.exams = folder / "exams";
   settings.screen.shots = folder / "shots";
   return settings;
-}
-
-// The disk works in real time, the cart's clock goes frame by frame.
-template <class Condition>
-bool until(ScreenCart& cart, const Condition& condition) {
-  for (int i = 0; i < 2500; ++i) {
-    if (condition()) return true;
-    cart.player().frame();
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));
-  }
-  return condition();
 }
 
 bool all_saved(ScreenCart& cart) {

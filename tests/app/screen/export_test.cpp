@@ -6,7 +6,6 @@
 #include <sys/sysmacros.h>
 
 #include <fstream>
-#include <thread>
 
 #include "app/exam/exam_reader.h"
 #include "app/exchange/sequence_file.h"
@@ -27,17 +26,6 @@ ScreenCartSettings exporting(const fs::path& folder) {
   // No stick of the machine that runs the test.
   settings.screen.exports.media = {folder / "mountinfo", folder / "sys", folder / "labels"};
   return settings;
-}
-
-// The disk works in real time, the cart's clock goes frame by frame.
-template <class Condition>
-bool until(ScreenCart& cart, const Condition& condition) {
-  for (int i = 0; i < 2500; ++i) {
-    if (condition()) return true;
-    cart.player().frame();
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));
-  }
-  return condition();
 }
 
 ui::ExportView transfer(const ScreenCart& cart) {

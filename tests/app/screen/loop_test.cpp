@@ -73,6 +73,36 @@ TEST(Loop, TheRecordButtonIsHeldLikeThePedal) {
   EXPECT_EQ(cart.loop().session().page(), ui::Page::review);
 }
 
+// A finger that lands on what will push the plane or make the band thicker: the layers are got ready before
+// it moves, and its first step comes out of them.
+TEST(Loop, AFingerThatLandsOnTheStripOrTheThicknessPreparesLayers) {
+  for (const char* widget : {"reslice/normal", "tools/thickness"}) {
+    ScreenCart cart(in_scratch());
+    cart.play("await live 5\nwait 2\npress\nwait 1\nrelease\nawait review 5\nwait 0.3\n");
+    const RenderWorker& worker = cart.loop().worker();
+    const auto press = [&](const char* name, ui::Contact::Kind kind, ui::Vec2 off) {
+      const auto place = cart.loop().screen().widgets().find(name);
+      ASSERT_TRUE(place) << name;
+      cart.player().input().contacts.push_back({cart.clock().now(), kind, 0, place->rect.centre() + off, 8});
+      for (int i = 0; i < 3; ++i) cart.player().frame();
+    };
+    press("reslice/picture", ui::Contact::Kind::down, {});
+    press("reslice/picture", ui::Contact::Kind::up, {});
+    EXPECT_EQ(worker.counts().layer_bytes, 0U) << "nothing will be pushed";
+    const std::uint64_t painted = worker.counts().done;
+    press(widget, ui::Contact::Kind::down, {});
+    EXPECT_GT(worker.counts().layer_bytes, 0U) << widget;
+    EXPECT_GT(worker.counts().done, painted);
+    EXPECT_EQ(worker.counts().from_layers, 0U);
+    // Slowly, as far as it takes to be a drag and a little more.
+    const ui::Vec2 along = std::string_view(widget) == "tools/thickness" ? ui::Vec2{1, 0} : ui::Vec2{0, 1};
+    for (int i = 1; i <= 40; ++i) press(widget, ui::Contact::Kind::move, static_cast<float>(i) * along);
+    EXPECT_GT(worker.counts().from_layers, 0U) << widget;
+    press(widget, ui::Contact::Kind::up, {});
+    EXPECT_TRUE(worker.newest()->planar->exact);
+  }
+}
+
 TEST(Loop, TheWindowsCloseButtonQuits) {
   ScreenCart cart(in_scratch());
   EXPECT_FALSE(cart.loop().quits());

@@ -1,8 +1,10 @@
 // A simulated cart with a screen in memory, and faults where a test wants them.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "app/screen/loop.h"
@@ -63,6 +65,18 @@ class ScreenCart {
   std::unique_ptr<ScreenLoop> loop_;
   std::unique_ptr<Player> player_;
 };
+
+// Plays frames until it is so; false: it did not become so in 10 s. For disks, which work in real time, while
+// the cart's clock goes frame by frame.
+template <class Condition>
+bool until(ScreenCart& cart, const Condition& condition) {
+  for (int i = 0; i < 2500; ++i) {
+    if (condition()) return true;
+    cart.player().frame();
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+  return condition();
+}
 
 // Of one test, empty at its start.
 std::filesystem::path scratch_folder();
