@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/capture/format_codes.h"
+
 namespace sonoband {
 namespace {
 
@@ -11,18 +13,13 @@ constexpr std::uint32_t fourcc(char a, char b, char c, char d) {
          static_cast<std::uint32_t>(c) << 16 | static_cast<std::uint32_t>(d) << 24;
 }
 
-struct Code {
-  PixelFormat format;
-  std::uint32_t fourcc;
-};
 // DRM names packed colours from the highest bit of a little-endian word: its BGR888 has red in the first
 // byte.
-constexpr Code codes[] = {
+constexpr FormatCode codes[] = {
     {PixelFormat::grey8, fourcc('R', '8', ' ', ' ')}, {PixelFormat::yuyv, fourcc('Y', 'U', 'Y', 'V')},
     {PixelFormat::uyvy, fourcc('U', 'Y', 'V', 'Y')},  {PixelFormat::nv12, fourcc('N', 'V', '1', '2')},
     {PixelFormat::rgb24, fourcc('B', 'G', '2', '4')}, {PixelFormat::mjpeg, fourcc('M', 'J', 'P', 'G')}};
 
-constexpr unsigned largest_side = 16384;
 constexpr std::size_t fewest_buffers = 2;
 
 VideoStatus status_of(CameraError error) {
@@ -62,19 +59,16 @@ std::string CameraDevice::name() const {
 
 std::vector<PixelFormat> CameraDevice::formats() {
   std::vector<PixelFormat> offered;
-  for (const std::uint32_t format : calls_->formats())
-    for (const Code& c : codes)
-      if (c.fourcc == format) offered.push_back(c.format);
+  for (const std::uint32_t fourcc : calls_->formats()) offer(fourcc, codes, offered);
   return offered;
 }
 
 VideoStatus CameraDevice::negotiate(VideoMode& mode, double rate_hz) {
   CameraMode asked{.width = static_cast<unsigned>(mode.width), .height = static_cast<unsigned>(mode.height)};
-  for (const Code& c : codes)
-    if (c.format == mode.format) asked.fourcc = c.fourcc;
+  asked.fourcc = code_of(mode.format, codes);
   CameraMode got = asked;
   if (const CameraError error = calls_->configure(got); error != CameraError::none) return status_of(error);
-  if (got.fourcc != asked.fourcc || got.width > largest_side || got.height > largest_side)
+  if (got.fourcc != asked.fourcc || got.width > largest_side_px || got.height > largest_side_px)
     return VideoStatus::out_of_range;
   mode.width = static_cast<int>(got.width);
   mode.height = static_cast<int>(got.height);

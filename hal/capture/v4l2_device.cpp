@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "hal/capture/edid.h"
+#include "hal/capture/format_codes.h"
 
 namespace sonoband {
 namespace {
@@ -39,13 +40,10 @@ VideoStatus status_of(int error) {
   }
 }
 
-struct Code {
-  PixelFormat format;
-  std::uint32_t fourcc;
-};
-constexpr Code codes[] = {{PixelFormat::grey8, V4L2_PIX_FMT_GREY},  {PixelFormat::yuyv, V4L2_PIX_FMT_YUYV},
-                          {PixelFormat::uyvy, V4L2_PIX_FMT_UYVY},   {PixelFormat::nv12, V4L2_PIX_FMT_NV12},
-                          {PixelFormat::rgb24, V4L2_PIX_FMT_RGB24}, {PixelFormat::mjpeg, V4L2_PIX_FMT_MJPEG}};
+constexpr FormatCode codes[] = {
+    {PixelFormat::grey8, V4L2_PIX_FMT_GREY},  {PixelFormat::yuyv, V4L2_PIX_FMT_YUYV},
+    {PixelFormat::uyvy, V4L2_PIX_FMT_UYVY},   {PixelFormat::nv12, V4L2_PIX_FMT_NV12},
+    {PixelFormat::rgb24, V4L2_PIX_FMT_RGB24}, {PixelFormat::mjpeg, V4L2_PIX_FMT_MJPEG}};
 
 constexpr int last_device = 63;
 
@@ -124,8 +122,7 @@ std::vector<PixelFormat> V4l2Device::formats() {
   entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   constexpr std::uint32_t enough = 64;
   for (entry.index = 0; entry.index < enough && call(VIDIOC_ENUM_FMT, &entry) == 0; ++entry.index)
-    for (const Code& c : codes)
-      if (c.fourcc == entry.pixelformat) offered.push_back(c.format);
+    offer(entry.pixelformat, codes, offered);
   return offered;
 }
 
@@ -137,12 +134,12 @@ VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
   wanted.fmt.pix.width = static_cast<std::uint32_t>(mode.width);
   wanted.fmt.pix.height = static_cast<std::uint32_t>(mode.height);
   wanted.fmt.pix.field = V4L2_FIELD_NONE;
-  for (const Code& c : codes)
-    if (c.format == mode.format) wanted.fmt.pix.pixelformat = c.fourcc;
-  const std::uint32_t asked = wanted.fmt.pix.pixelformat;
+  const std::uint32_t asked = code_of(mode.format, codes);
+  wanted.fmt.pix.pixelformat = asked;
   if (const int result = call(VIDIOC_S_FMT, &wanted); result < 0) return status_of(result);
   const v4l2_pix_format& got = wanted.fmt.pix;
-  if (got.pixelformat != asked || got.width > 16384 || got.height > 16384) return VideoStatus::out_of_range;
+  if (got.pixelformat != asked || got.width > largest_side_px || got.height > largest_side_px)
+    return VideoStatus::out_of_range;
   mode.width = static_cast<int>(got.width);
   mode.height = static_cast<int>(got.height);
   mode.stride_bytes = static_cast<std::ptrdiff_t>(got.bytesperline);
