@@ -1,6 +1,10 @@
 # What is installed, and the Debian package made of it by cpack.
 install(TARGETS sonoband sonoband-tool RUNTIME DESTINATION bin)
-install(FILES ${CMAKE_SOURCE_DIR}/board/udev/70-sonoband.rules DESTINATION lib/udev/rules.d)
+install(FILES ${CMAKE_SOURCE_DIR}/board/udev/70-sonoband.rules ${CMAKE_SOURCE_DIR}/board/sticks/70-sonoband-sticks.rules
+  DESTINATION lib/udev/rules.d)
+install(PROGRAMS ${CMAKE_SOURCE_DIR}/board/sticks/mount-stick DESTINATION lib/sonoband)
+install(FILES ${CMAKE_SOURCE_DIR}/board/sticks/sonoband-sticks.rules DESTINATION share/polkit-1/rules.d)
+install(FILES ${CMAKE_SOURCE_DIR}/board/sticks/tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME sonoband.conf)
 install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service DESTINATION lib/systemd/system)
 install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example
   ${CMAKE_SOURCE_DIR}/board/systemd/fstab.example ${CMAKE_SOURCE_DIR}/LICENSE
@@ -18,7 +22,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   ${CMAKE_SOURCE_DIR}/board/debian/postinst ${CMAKE_SOURCE_DIR}/board/debian/prerm ${CMAKE_SOURCE_DIR}/board/debian/postrm)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, systemd-timesyncd, fonts-inter, fonts-font-awesome, fxload")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xserver-xorg-core, xserver-xorg-input-libinput, xinit, systemd-timesyncd, libpam-systemd, polkitd, libgl1-mesa-dri, fonts-inter, fonts-font-awesome, fxload")
 if(CMAKE_CROSSCOMPILING)
   # cpack's dpkg-shlibdeps looks among this machine's packages: tools/package asks it of the sysroot's.
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)

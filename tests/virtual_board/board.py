@@ -94,10 +94,12 @@ class Usb:
 
 
 class Board:
-    """One boot. The data disk outlives it. Ends by `off`, or as if the plug was pulled by `cut`."""
+    """One boot, with systemd or with as little as the jobs need. The data disk outlives it. Ends by `off`, or as if the plug
+    was pulled by `cut`."""
 
-    def __init__(self, image, work, usb_program, programs, held=False):
+    def __init__(self, image, work, usb_program, programs, held=False, systemd=False):
         self.work = work
+        self.systemd = systemd
         self.share = os.path.join(work, 'share')
         shutil.rmtree(self.share, ignore_errors=True)
         for name in ('todo', 'done', 'out', 'bin'):
@@ -113,7 +115,8 @@ class Board:
         try:
             self.monitor = Monitor(work, self.dead)
             self.monitor.line(0, held)
-            wait_for(lambda: os.path.exists(os.path.join(self.share, 'done/up')), 'the board to boot', ended=self.dead)
+            wait_for(lambda: os.path.exists(os.path.join(self.share, 'done/up')), 'the board to boot', 2 * PATIENCE,
+                     self.dead)
         except BaseException:
             self.cut()
             raise
@@ -123,7 +126,7 @@ class Board:
         words = ['qemu-system-aarch64', '-M', 'virt,gic-version=3', '-cpu', 'cortex-a72', '-smp', '2', '-m', '1024',
                  '-accel', 'tcg,thread=multi', '-nographic', '-no-reboot', '-nic', 'none',
                  '-kernel', os.path.join(image, 'vmlinuz'), '-initrd', os.path.join(image, 'initrd.gz'),
-                 '-dtb', os.path.join(image, 'virtual.dtb'), '-append', 'console=ttyAMA0 quiet panic=-1',
+                 '-dtb', os.path.join(image, 'virtual.dtb'), '-append', 'console=ttyAMA0 quiet panic=-1' + ' init=/lib/systemd/systemd systemd.unit=board.service' * self.systemd,
                  '-drive', f'if=none,id=system,file={image}/system.squashfs,format=raw,readonly=on',
                  '-device', 'virtio-blk-pci,drive=system',
                  '-drive', f'if=none,id=data,file={p("data.ext4")},format=raw,cache=writethrough',

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Boots the virtual board and runs its named tests. run.py NATIVE-BUILD ARM64-BUILD IMAGE-FOLDER [WORD...]
 
-Two boots, the second after the power was cut in the first; one cart serves all tests between two changes of its tracker.
+Two boots, the second after the power was cut in the first and with systemd, as a cart has it; one cart serves all tests between two changes of its tracker.
 A cart that failed a test is killed and the next test has one of its own. With words: only tests whose names have one."""
 import json, os, shutil, subprocess, sys, time
 
@@ -13,6 +13,7 @@ from cart import FRAMES, Cart, losses
 native, arm64, image = sys.argv[1:4]
 words = sys.argv[4:]
 work = os.path.join(image, 'run')
+guest = lambda name: os.path.join(os.path.dirname(os.path.abspath(__file__)), 'guest', name)
 tests = []
 
 
@@ -33,6 +34,7 @@ class Bench:
         self.cart_name = None
         self.carts = 0
         self.held = True  # the first boot finds a foot on the pedal
+        self.systemd = False  # whether the next boot is one with systemd
         self.touch = None  # the job that is the touchscreen
         self.exams = None  # folder on the board with an exam that nobody writes to any more
         self.left = {}    # sweeps that the tests still to come want of a cart
@@ -40,7 +42,7 @@ class Bench:
     def board(self):
         if self.board_ is None:
             self.board_ = Board(image, work, os.path.join(native, 'bin/virtual-usb'),
-                                [os.path.join(arm64, 'bin/virtual-touch')], held=self.held)
+                                [os.path.join(arm64, 'bin/virtual-touch'), guest('as-kiosk'), guest('onto-the-stick')], held=self.held, systemd=self.systemd)
             self.held = False
         return self.board_
 
@@ -316,6 +318,7 @@ def power_cut(bench):
     bench.board().cut()
     said, ended = cart.now(), len(cart.lines('sweep'))
     bench.cart_ = bench.board_ = None
+    bench.systemd = True
     board = bench.board()
     # The cart itself recovers it, and can be used.
     code, log = board.run(f'cd /tmp && echo "await live 20" >s && sonoband --board sim --headless --script s --out o --exams /data/{name}/exams && '
@@ -338,31 +341,52 @@ def again(bench):
     return f"{s['frames']} frames, {s['frames_with_pose']} with a pose"
 
 
-@test('an exam goes onto a stick, is read back here, and the stick can be pulled')
+@test('a stick is mounted as it is plugged in, the kiosk service exports an exam onto it and lets it go')
 def stick(bench):
-    """FAT on a USB disk that is plugged in while the board is on."""
-    board = bench.board()
+    """FAT on a USB disk, plugged in while the service runs, and again before it starts: its name space must see both."""
     if bench.exams is None:
         bench.tracker('viper')
         again(bench)
         bench.exams = bench.cart('again').folder + '/exams'
         cart, bench.cart_ = bench.cart_, None
         cart.end()
-    device = board.plug_stick()
-    place = '/run/media/sonoband/sda'
-    code, log = board.run(f'mkdir -p {place} && mount -t vfat {device} {place} && sonoband-tool places --json')
-    require(code == 0, f'the stick cannot be mounted: {log}')
-    places = json.loads(log)['places']
-    require([p['path'] for p in places] == [place], f'the places are {places}')
-    code, log = board.run(f'exam=$(ls {bench.exams}/*.exam) && cp $exam /share/out/ && sonoband-tool export $exam --to {place}/taken --format mha --sweep 1 --eject')
-    require(code == 0, f'export ended with {code}: {log[-400:]}')
-    require(board.run(f'grep -c " {place} " /proc/self/mountinfo')[1].strip() == '0', 'the stick is still mounted')
-    board.pull_stick()
-    taken, here = (os.path.join(work, name) for name in ('taken', 'stick-here'))
-    done = subprocess.run(['mcopy', '-s', '-i', os.path.join(work, 'stick.fat'), '::/taken', work], capture_output=True, text=True)
-    require(done.returncode == 0, f'the stick cannot be read here: {done.stderr}')
+    if not bench.board().systemd:
+        board, bench.board_, bench.touch, bench.systemd = bench.board_, None, None, True
+        board.off()
+    board = bench.board()
+    code, log = board.run(f'systemd-tmpfiles --create sonoband.conf; mkdir -p /var/lib/sonoband/exams && cp {bench.exams}/*.exam /var/lib/sonoband/exams/ && '
+                          f'chown -R sonoband:sonoband /var/lib/sonoband && cp {bench.exams}/*.exam /share/out/')
+    require(code == 0, f'the exam cannot be given to the cart: {log}')
     exam = next(f for f in os.listdir(os.path.join(board.share, 'out')) if f.endswith('.exam'))
+    here = os.path.join(work, 'stick-here')
     tool('export', os.path.join(board.share, 'out', exam), '--to', here, '--format', 'mha', '--sweep', '1')
+    place = '/run/media/sonoband/sda'
+    mounted = lambda: board.run(f'grep -c " {place} " /proc/self/mountinfo')[1].strip() == '1'
+    for n, plugged in enumerate(('while the service runs', 'before it starts')):
+        if plugged == 'before it starts':
+            board.plug_stick()
+            wait_for(mounted, 'the stick to be mounted', ended=board.dead)
+        job = board.begin(f'/share/bin/as-kiosk kiosk{n} /share/bin/onto-the-stick {place} /var/lib/sonoband/exams/{exam}')
+        if plugged == 'while the service runs':
+            wait_for(lambda: board.run(f'systemctl is-active kiosk{n}.service')[1].strip() == 'activating', 'the service to run', ended=board.dead)
+            board.plug_stick()
+        code, log = board.end(job)
+        require(code == 0, f'{plugged}, the export ended with {code}: {log[-600:]}')
+        places = json.JSONDecoder().raw_decode(log[log.index('{'):])[0]['places']
+        require([(p['path'], p['label']) for p in places] == [(place, 'ULTRASOUND')], f'{plugged}, the places are {places}')
+        require(not mounted(), f'{plugged}, the stick is still mounted')
+        board.pull_stick()
+        size = same_files(os.path.join(work, 'stick.fat'), here)
+    return f'{len(os.listdir(here))} files, {size / 1e6:.1f} MB, the same bytes as written here, plugged in before and after the service started'
+
+
+def same_files(stick, here):
+    """Bytes of what is on a stick in `taken`, the same as in the folder `here`; takes it from the stick."""
+    taken = os.path.join(work, 'taken')
+    shutil.rmtree(taken, ignore_errors=True)
+    for words in (('mcopy', '-s', '-i', stick, '::/taken', work), ('mdeltree', '-i', stick, '::/taken')):
+        done = subprocess.run(words, capture_output=True, text=True)
+        require(done.returncode == 0, f'the stick cannot be read here: {done.stderr}')
     names = sorted(os.listdir(here))
     require(names and sorted(os.listdir(taken)) == names, f'{sorted(os.listdir(taken))} on the stick, {names} here')
     size = 0
@@ -370,7 +394,7 @@ def stick(bench):
         a, b = (open(os.path.join(folder, name), 'rb').read() for folder in (taken, here))
         require(a == b, f'{name} is another file on the stick than here')
         size += len(a)
-    return f'{len(names)} files, {size / 1e6:.1f} MB, the same bytes as written here; label {places[0]["label"]}'
+    return size
 
 
 @test('the board switches itself off')
