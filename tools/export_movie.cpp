@@ -3,8 +3,7 @@
 #include <functional>
 
 #include "app/exam/exam_reader.h"
-#include "app/exam/sweep_loader.h"
-#include "app/exchange/exam_movie.h"
+#include "app/exchange/exam_turn.h"
 #include "app/exchange/file_beside.h"
 #include "app/workers.h"
 #include "tools/exam_verbs.h"
@@ -15,26 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path write_turn(const MovieOptions& options, const fs::path& file, std::int64_t sweep,
-                    const std::string& name, const fs::path& folder, std::vector<std::string>& damage) {
-  exam::SweepLoader loader(file, sweep);
-  loader.wait();
-  // As on the cart: what was recorded before the press is kept, and not painted.
-  std::vector<const TrackedFrame*> swept;
-  for (std::int64_t i = 0; i < loader.total(); ++i)
-    if (loader.ready(i) && !loader.stored(i).record.pre_roll && loader.frame(i).pose_status == PoseStatus::ok)
-      swept.push_back(&loader.frame(i));
-  for (const std::string& d : loader.damage()) damage.push_back(d);
-  const SweepView view{swept, loader.mask()};
+exchange::TurnTable turn_of(const MovieOptions& options, const SweepView& view) {
   exchange::TurnTable turn;
   turn.axis = options.axis == "down" ? exchange::TurnAxis::down : exchange::TurnAxis::right;
   turn.pictures = options.pictures;
   turn.pictures_per_second = options.pictures_per_second;
-  fs::path path = folder / (name + "-turn.webm");
-  if (swept.empty())
-    throw BadInput(name +
-                   ": no frame of it has a place in space, so there is nothing to turn; export it without "
-                   "--turn-table");
   turn.settings = settings_of(*options.render, pixel_width_mm(view));
   if (options.plane->origin.empty()) {
     turn.plane = *exchange::turn_table_plane(view, turn.axis);
@@ -48,9 +32,16 @@ fs::path write_turn(const MovieOptions& options, const fs::path& file, std::int6
     turn.plane = choose_plane(*options.plane, view).plane;
   }
   check_picture_size(turn.plane, turn.settings.band);
+  return turn;
+}
+
+fs::path write_turn(const MovieOptions& options, const fs::path& file, std::int64_t sweep,
+                    const std::string& name, const fs::path& folder, std::vector<std::string>& damage) {
+  fs::path path = folder / (name + "-turn.webm");
   Workers workers(threads_of(*options.render));
   WorkProgress progress("turning " + name);
-  exchange::write_turn_table(view, turn, name, path, workers, std::ref(progress));
+  const auto turn = [&](const SweepView& view) { return turn_of(options, view); };
+  exchange::write_stored_turn({file, sweep, name, turn}, path, workers, std::ref(progress), damage);
   return path;
 }
 

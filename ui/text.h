@@ -161,10 +161,10 @@ struct Texts {
   Words is_open = "open";
   Words format = "Format";
   Words place = "Place";
-  std::array<Words, 8> formats = {
+  std::array<Words, 9> formats = {
       "MetaImage (.mha)", "NRRD (.nrrd)", "Stradx (.sx)", "Stradwin (.sw)", "DICOM",
-      "Pictures",         "Movie",        "Marks (JSON)"};
-  std::array<Words, 8> format_words = {
+      "Pictures",         "Movie",        "Turn-table",   "Marks (JSON)"};
+  std::array<Words, 9> format_words = {
       "B-scans with their places, for PLUS and 3D Slicer",
       "B-scans with their places, for 3D Slicer",
       "B-scans with their places, for Stradx",
@@ -172,6 +172,7 @@ struct Texts {
       "B-scans as Ultrasound Multi-frame and snapshots, for archives; without places",
       "A PNG for each B-scan, for looking at",
       "The B-scans as a WebM movie, for looking at",
+      "The band, made as set in Review, on a plane that turns once: a WebM movie",
       "Landmarks, contours and measurements of the whole exam, also for 3D Slicer (.mrk.json)"};
   Words no_place = "No stick or card yet: put one in";
   Words one_sweep = "Sweep {0}";
@@ -212,7 +213,8 @@ struct Texts {
   Words no_sound = "No loudspeaker was found: recording makes no sound.";
   Words crop = "Picture area";
   Words crop_line = "{0} × {1} px from {2}, {3} of {4} × {5}";
-  Words storage_line = "{0} · {1} min left";
+  Words disk_minutes = "{0} min left";
+  Words unnamed = "Probe without a name";
   Words about = "About";
   Words about_line = "Sonoband {0}";
 

@@ -239,7 +239,7 @@ struct ExamView {
 };
 
 // In the order of Texts::formats.
-enum class ExportAs : std::uint8_t { mha, nrrd, sx, sw, dicom, png, webm, marks };
+enum class ExportAs : std::uint8_t { mha, nrrd, sx, sw, dicom, png, webm, turn, marks };
 
 struct ExportChoice {
   ExportAs format = ExportAs::mha;

@@ -12,11 +12,13 @@
 #include "app/exchange/exam_dicom.h"
 #include "app/exchange/exam_movie.h"
 #include "app/exchange/exam_sequence.h"
+#include "app/exchange/exam_turn.h"
 #include "app/exchange/file_beside.h"
 #include "app/exchange/markups.h"
 #include "app/exchange/png.h"
 #include "app/exchange/sequence_file.h"
 #include "app/exchange/stradwin.h"
+#include "app/workers.h"
 
 namespace sonoband::exchange {
 namespace {
@@ -129,6 +131,15 @@ void write_sweep(const ExportedSweep& sweep, const ExamExport& what, const std::
   write_sequence(sweep.sequence, out.files[own], progress);
 }
 
+void write_turn(const fs::path& exam, const exam::SweepSummary& sweep, const ExamExport& what,
+                const std::string& name, const Progress& progress, ExportedExam& out) {
+  const fs::path path = what.to / (name + "-turn.webm");
+  Workers workers(what.threads);
+  const auto turn = [&](const SweepView& view) { return whole_turn(view, what.band); };
+  write_stored_turn({exam, sweep.id, name, turn}, path, workers, progress, out.damage);
+  out.files.push_back(path);
+}
+
 // What the kernel would give without taking it from other programs; most there is where it does not say.
 std::uint64_t available_memory() {
   std::ifstream in("/proc/meminfo");
@@ -188,6 +199,12 @@ ExportedExam export_exam(const fs::path& file, const ExamExport& what, const Pro
     out.files = std::move(made.files);
     out.damage = std::move(made.damage);
     if (out.files.empty()) throw BadInput(file.filename().string() + ": there is nothing in it to export");
+    return out;
+  }
+  if (what.format == ExportFormat::turn) {
+    const auto all = static_cast<int>(sweeps.size());
+    for (int i = 0; i < all; ++i)
+      write_turn(file, sweeps[i], what, name_of(sweeps[i]), part_of(progress, i, all), out);
     return out;
   }
   // Each sweep is read, then written.

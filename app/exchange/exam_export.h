@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/exchange/progress.h"
+#include "core/reslice/band.h"
 
 namespace sonoband::exchange {
 
@@ -20,6 +21,7 @@ enum class ExportFormat : std::uint8_t {
   dicom,   // snapshots as well
   png,     // one picture a frame
   webm,    // the B-scans as a movie
+  turn,    // the band on a plane that turns once, as a movie
   review,  // what review made: JSON, and for Slicer (.mrk.json)
 };
 
@@ -28,7 +30,8 @@ struct ExamExport {
   ExportFormat format = ExportFormat::mha;
   std::int64_t sweep = 0;   // 0: all
   bool with_label = false;  // the patient's, in DICOM; no other format has it
-  int threads = 1;          // of the movie's encoder
+  int threads = 1;          // of the movie's encoder, and of what paints a band
+  RenderSettings band;      // of a turn; its layers are a B-scan's pixel apart whatever is said here
 };
 
 struct ExportedExam {

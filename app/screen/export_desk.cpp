@@ -13,9 +13,9 @@ using ui::ExportPhase;
 constexpr Duration look_every = std::chrono::seconds(1);  // for sticks, while the sheet is open
 
 // In the order of ui::ExportAs.
-constexpr std::array<ExportFormat, 8> formats = {ExportFormat::mha,  ExportFormat::nrrd,  ExportFormat::sx,
-                                                 ExportFormat::sw,   ExportFormat::dicom, ExportFormat::png,
-                                                 ExportFormat::webm, ExportFormat::review};
+constexpr std::array<ExportFormat, 9> formats = {
+    ExportFormat::mha, ExportFormat::nrrd, ExportFormat::sx,   ExportFormat::sw,    ExportFormat::dicom,
+    ExportFormat::png, ExportFormat::webm, ExportFormat::turn, ExportFormat::review};
 
 }  // namespace
 
@@ -100,6 +100,7 @@ void ExportDesk::start(std::uint64_t row) {
   job.what.to = place.path / ("sonoband-" + key->first);
   job.what.format = formats[static_cast<std::size_t>(choice_.format)];
   job.what.sweep = choice_.one_sweep ? key->second : 0;
+  job.what.band = session_.settings();
   job.what.with_label = choice_.with_label && choice_.format == ui::ExportAs::dicom;
   job.saved = [&exams = exams_, exam = key->first] { return exams.review_saved(exam); };
   if (!exporter_.start(std::move(job))) session_.say("Another export still runs: wait for it or cancel it.");

@@ -50,6 +50,8 @@ class Session {
   // Its exam is deleted.
   void forget(std::uint64_t id);
   std::uint64_t shown_id() const { return shown_; }
+  // How bands are made, as last chosen.
+  const RenderSettings& settings() const { return settings_; }
   std::span<const RunSweep> sweeps() const { return sweeps_; }
 
   // Sweeps whose review has changed and has come to rest, or been left (`all`: come to rest or not). Told

@@ -9,6 +9,7 @@
 #include "app/bad_input.h"
 #include "app/exam/exam_writer.h"
 #include "app/exam/sweep_loader.h"
+#include "app/exchange/exam_export.h"
 #include "app/exchange/exam_movie.h"
 #include "app/exchange/movie.h"
 #include "tests/tools/processes.h"
@@ -130,6 +131,34 @@ TEST_F(Movie, ACineShowsEachFrameAtItsTime) {
   }
   for (const auto& e : fs::directory_iterator(path("out")))
     EXPECT_NE(e.path().extension(), ".unfinished") << e.path();
+}
+
+// The tool's own choices are the screen's; and it says how far it is, and leaves nothing when stopped.
+TEST_F(Movie, AWholeTurnIsTheSameFromTheScreen) {
+  exchange::ExamExport what;
+  what.format = exchange::ExportFormat::turn;
+  what.to = path("screen");
+  what.band.band.thickness_mm = 1;
+  std::vector<int> told;
+  const exchange::ExportedExam made = exchange::export_exam(file, what, [&](int permille) {
+    told.push_back(permille);
+    return true;
+  });
+  ASSERT_EQ(made.files.size(), 1U);
+  EXPECT_EQ(made.files[0], path("screen/20260102-030405-f117-sweep1-turn.webm"));
+  EXPECT_TRUE(made.damage.empty());
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 1000);
+  const ToolRun run = run_tool({"export", file, "--to", path("out"), "--format", "webm", "--turn-table",
+                                "--thickness-mm", "1", "--threads", "1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Bytes screen = decoded(made.files[0], "gray");
+  EXPECT_FALSE(screen.empty());
+  EXPECT_EQ(screen, decoded(path("out/20260102-030405-f117-sweep1-turn.webm"), "gray"));
+
+  what.to = path("stopped");
+  EXPECT_THROW(exchange::export_exam(file, what, [](int permille) { return permille < 300; }), BadInput);
+  EXPECT_TRUE(fs::is_empty(path("stopped")));
 }
 
 TEST_F(Movie, ATurnTableShowsTheBandOfEachAngle) {

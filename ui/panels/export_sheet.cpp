@@ -9,12 +9,13 @@
 namespace sonoband::ui {
 namespace {
 
-constexpr std::array<std::string_view, 8> format_names = {"export/mha",  "export/nrrd",  "export/sx",
+constexpr std::array<std::string_view, 9> format_names = {"export/mha",  "export/nrrd",  "export/sx",
                                                           "export/sw",   "export/dicom", "export/png",
-                                                          "export/webm", "export/marks"};
+                                                          "export/webm", "export/turn",  "export/marks"};
 constexpr std::array<std::string_view, 4> place_names = {"export/place-0", "export/place-1", "export/place-2",
                                                          "export/place-3"};
-constexpr int rows = 4;
+constexpr int rows = 5;
+constexpr int most_places = 4;
 
 const ExamView* selected_exam(const ExamsView& exams) {
   for (const ExamView& e : exams.exams)
@@ -44,7 +45,7 @@ void draw_places(Ui& ui, Rect r, const ExportView& e) {
     ui.draw.paragraph(r.inset(0, ui.px(10)), Type::body, colour::warning, t.no_place);
     return;
   }
-  for (int i = 0; i < std::min(rows, static_cast<int>(e.places.size())); ++i) {
+  for (int i = 0; i < std::min(most_places, static_cast<int>(e.places.size())); ++i) {
     const auto k = static_cast<std::size_t>(i);
     ButtonLook look;
     look.icon = e.places[k].removable ? Icon::export_to : Icon::exams;
@@ -134,7 +135,7 @@ void draw_state(Ui& ui, Rect r, const ExportView& e) {
 void draw_export_sheet(Ui& ui, const View& view) {
   const Texts& t = ui.texts;
   const ExportView& e = view.exams.transfer;
-  Rect rest = sheet_paper(ui, 720, 560, t.export_exam, true);
+  Rect rest = sheet_paper(ui, 720, 640, t.export_exam, true);
   Rect foot = rest.cut_bottom(std::max(ui.metrics.target, ui.px(48)));
   rest.cut_bottom(ui.px(6));
   const Rect state = rest.cut_bottom(ui.px(66));

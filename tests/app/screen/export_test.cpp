@@ -146,6 +146,27 @@ TEST(ExportOnTheScreen, CancelledItLeavesNoHalfFileAndTheCartRecordsOn) {
   EXPECT_EQ(files_below(folder / "out").size(), 1u);
 }
 
+// What is in it: Movie.AWholeTurnIsTheSameFromTheScreen.
+TEST(ExportOnTheScreen, ATurnTableSaysHowFarItIsAndCanBeStopped) {
+  const fs::path folder = scratch_folder();
+  ScreenCart cart(exporting(folder));
+  record(cart);
+  open_sheet(cart);
+  cart.play("tap export/turn\n");
+  tap_quickly(cart, "export/start");
+  // Beyond the reading, a tenth, and a whole turn is far off.
+  const auto turning = [&] {
+    const ui::ExportView e = transfer(cart);
+    return e.phase == ExportPhase::failed || (e.phase == ExportPhase::exporting && e.done > 0.105);
+  };
+  ASSERT_TRUE(until(cart, turning, std::chrono::seconds(60)));
+  ASSERT_EQ(transfer(cart).phase, ExportPhase::exporting) << transfer(cart).sentence;
+  tap_quickly(cart, "export/cancel");
+  ASSERT_TRUE(until(cart, [&] { return !transfer(cart).running(); }));
+  EXPECT_EQ(transfer(cart).phase, ExportPhase::cancelled);
+  EXPECT_TRUE(files_below(folder / "out").empty());
+}
+
 TEST(ExportOnTheScreen, WhyItFailsIsSaid) {
   const fs::path folder = scratch_folder();
   ScreenCart cart(exporting(folder));

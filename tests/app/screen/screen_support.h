@@ -66,14 +66,16 @@ class ScreenCart {
   std::unique_ptr<Player> player_;
 };
 
-// Plays frames until it is so; false: it did not become so in 10 s. For disks, which work in real time, while
-// the cart's clock goes frame by frame.
+// Plays frames until it is so; false: it did not become so. For disks, which work in real time, while the
+// cart's clock goes frame by frame.
 template <class Condition>
-bool until(ScreenCart& cart, const Condition& condition) {
-  for (int i = 0; i < 2500; ++i) {
+bool until(ScreenCart& cart, const Condition& condition,
+           std::chrono::milliseconds at_most = std::chrono::seconds(10)) {
+  constexpr std::chrono::milliseconds pause(4);
+  for (int i = 0; i < at_most / pause; ++i) {
     if (condition()) return true;
     cart.player().frame();
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    std::this_thread::sleep_for(pause);
   }
   return condition();
 }
