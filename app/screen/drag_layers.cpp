@@ -1,5 +1,6 @@
 #include "app/screen/drag_layers.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace sonoband {
@@ -10,6 +11,11 @@ constexpr int least_layers = 2 * RollingBand::block_layers;
 // A layer that is painted apart costs four to ten times its share of the whole band: so many at once are
 // never dearer than a band of 14 mm.
 constexpr int most_missing = RollingBand::block_layers;
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point begun) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+}
 
 }  // namespace
 
@@ -30,9 +36,14 @@ std::optional<BandImage> DragLayers::render(PreparedSweep& sweep, const ResliceP
   if (!pays(plane, settings)) return std::nullopt;
   const std::optional<int> missing = band_.layers_missing(sweep, plane, settings);
   if (!missing) return std::nullopt;
-  const bool cheaper = ms_per_layer_ > 0 && *missing * ms_per_layer_ < whole_ms;
+  // Got ready they come in whole blocks, in a step one by one: whichever was dearer.
+  const double layer_ms = std::max(ready_ms_, step_ms_);
+  const bool cheaper = layer_ms > 0 && *missing * layer_ms < whole_ms;
   if (*missing > most_missing && !cheaper) return std::nullopt;
-  return band_.render(sweep, plane, settings, parallel);
+  const auto begun = Clock::now();
+  BandImage band = band_.render(sweep, plane, settings, parallel);
+  if (*missing >= most_missing / 2) step_ms_ = ms_since(begun) / *missing;
+  return band;
 }
 
 void DragLayers::get_ready(PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings,
@@ -40,11 +51,10 @@ void DragLayers::get_ready(PreparedSweep& sweep, const ReslicePlane& plane, cons
   if (!pays(plane, settings)) return;
   const int missing = band_.layers_missing(sweep, plane, settings).value_or(0);
   const int before = missing > 0 ? band_.layers_painted() : 0;
-  const auto begun = std::chrono::steady_clock::now();
+  const auto begun = Clock::now();
   band_.prepare(sweep, plane, settings, parallel, &stop);
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begun;
   const int painted = band_.layers_painted() - before;
-  if (painted >= RollingBand::block_layers) ms_per_layer_ = took.count() / painted;
+  if (painted >= RollingBand::block_layers) ready_ms_ = ms_since(begun) / painted;
 }
 
 bool moved_along_normal(const ReslicePlane& from, const ReslicePlane& to) {

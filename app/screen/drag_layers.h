@@ -36,7 +36,8 @@ class DragLayers {
   RollingBand band_;
   std::uint64_t sweep_version_ = 0;
   std::optional<double> gap_mm_;  // of the layers
-  double ms_per_layer_ = 0;       // that was got ready last; 0: not known
+  double ready_ms_ = 0;           // a layer that was got ready last; 0: not known
+  double step_ms_ = 0;            // a layer that was missing in a step; 0: not known
 };
 
 // `to` is `from` moved along its normal.

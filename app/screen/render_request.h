@@ -57,6 +57,7 @@ struct PlanarPicture {
   int layers = 0;
   double ms = 0;
   double thread_ms = 0;  // processor time of the worker's own thread, which does its share of the work
+  double first_ms = 0;   // of that, until the coarse picture before this one; else all
   bool coarse = false;
   bool from_layers = false;   // of a drag
   bool exact = true;          // render_planar's bits of what was asked, no frame left out

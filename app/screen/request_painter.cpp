@@ -84,6 +84,7 @@ std::shared_ptr<PlanarPicture> RequestPainter::from_layers(const Job& job) {
   out->exact = false;
   out->ms = ms_since(begun);
   out->thread_ms = seconds(thread_time() - worked) * 1e3;
+  out->first_ms = out->thread_ms;
   ++from_layers_;
   return out;
 }
@@ -106,13 +107,14 @@ std::shared_ptr<PlanarPicture> RequestPainter::paint(const Job& job) {
                          if (factor == 1) {
                            out->band = std::move(band);
                          } else {
-                           show_coarse(job, std::move(band), ms_since(begun),
-                                       seconds(thread_time() - worked) * 1e3);
+                           out->first_ms = seconds(thread_time() - worked) * 1e3;
+                           show_coarse(job, std::move(band), ms_since(begun), out->first_ms);
                          }
                        });
   out->exact = out->band.frames_left_out == 0;
   out->ms = ms_since(begun);
   out->thread_ms = seconds(thread_time() - worked) * 1e3;
+  if (out->first_ms == 0) out->first_ms = out->thread_ms;
   if (!hands_.overtaken && samples_of(request) > 0) pace(request) = out->ms / samples_of(request);
   return out;
 }
@@ -126,7 +128,7 @@ void RequestPainter::show_coarse(const Job& job, BandImage band, double ms, doub
   planar->coarse = true;
   planar->exact = false;
   planar->ms = ms;
-  planar->thread_ms = thread_ms;
+  planar->thread_ms = planar->first_ms = thread_ms;
   result.planar = std::move(planar);
   result.sweep_version = job.request.sweep_version;
   if (has_surface(job.request))
