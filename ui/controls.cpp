@@ -125,22 +125,10 @@ Slide slider(Ui& ui, std::string_view name, const Rect& r, double value, double 
   return slide;
 }
 
-PanelFrame panel(Ui& ui, std::string_view title_name, const Rect& r, std::string_view title,
-                 std::string_view detail, Icon corner) {
+Rect panel(Ui& ui, const Rect& r, std::string_view title, std::string_view detail, Icon corner) {
   ui.draw.fill(r, colour::panel, ui.px(8));
-  PanelFrame frame;
   Rect inside = r;
-  const Rect bar = inside.cut_top(ui.px(38));
-  // The finger may land a little below the words: the bar alone is lower than a finger is wide.
-  const Rect touch{bar.x, bar.y, bar.width, std::max(bar.height, ui.metrics.target * 0.85f)};
-  Rect words = bar.inset(ui.px(14), 0);
-  if (!title_name.empty()) {
-    const std::uint64_t id = ui.widgets.add(title_name, touch);
-    for (const Gesture& g : ui.gestures) {
-      if (g.kind == Gesture::Kind::tap && g.target == id) frame.title_tapped = true;
-    }
-    if (ui.finger.down && ui.finger.target == id) ui.draw.fill(bar, colour::raised, ui.px(8));
-  }
+  Rect words = inside.cut_top(ui.px(38)).inset(ui.px(14), 0);
   if (corner != Icon::none) {
     const Rect place = words.cut_right(ui.px(18));
     ui.draw.icon(place.centre(), ui.px(14), colour::ink_quiet, corner);
@@ -150,8 +138,7 @@ PanelFrame panel(Ui& ui, std::string_view title_name, const Rect& r, std::string
   ui.draw.text_in(words.cut_left(title_width), Align::left, Type::strong, colour::ink, title);
   words.cut_left(ui.px(12));
   ui.draw.text_in(words, Align::right, Type::small, colour::ink_quiet, detail);
-  frame.inside = {r.x + ui.px(10), inside.y, r.width - ui.px(20), inside.height - ui.px(10)};
-  return frame;
+  return {r.x + ui.px(10), inside.y, r.width - ui.px(20), inside.height - ui.px(10)};
 }
 
 void empty_note(Ui& ui, const Rect& r, Icon icon, Colour c, std::string_view title, std::string_view cure) {

@@ -47,12 +47,7 @@ Slide slider(Ui& ui, std::string_view name, const Rect& r, double value, double 
              bool vertical = false, bool enabled = true);
 
 // The ground of a panel with its title bar; returns what is left inside.
-struct PanelFrame {
-  Rect inside;
-  bool title_tapped = false;
-};
-PanelFrame panel(Ui& ui, std::string_view title_name, const Rect& r, std::string_view title,
-                 std::string_view detail, Icon corner = Icon::none);
+Rect panel(Ui& ui, const Rect& r, std::string_view title, std::string_view detail, Icon corner = Icon::none);
 
 // What a driver or a state has to say, in the middle of an empty panel.
 void empty_note(Ui& ui, const Rect& r, Icon icon, Colour c, std::string_view title, std::string_view cure);

@@ -22,37 +22,24 @@ struct ImagePlace {
   Eigen::Vector2d px(Vec2 p) const { return {(p.x - r.x) / scale - 0.5, (p.y - r.y) / scale - 0.5}; }
 };
 
-}  // namespace
-
-void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
-  const ReviewView& review = view.review;
-  const Texts& t = ui.texts;
-  const auto count_frames = static_cast<int>(review.frames.size());
-  const Line detail(t.bscan_of, {number(review.current + 1, 0), number(count_frames, 0)});
-  // A low window has no room for a title and a slider one above the other.
-  const bool low = r.height < ui.px(240);
-  const PanelFrame frame =
-      panel(ui, "review/title", r, t.review, count_frames > 0 && !low ? detail.view() : std::string_view(),
-            corner_icon(view, Window::review));
-  toggle_full(ui, view, Window::review, frame);
-  ui.pictures.show(Slot::bscan, review.bscan);
-  const float width = ui.draw.picture_width(Slot::bscan);
-  if (count_frames == 0 || width <= 0 || review.current >= count_frames) {
-    empty_note(ui, frame.inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
-    return;
-  }
-  Rect inside = frame.inside;
-  Rect foot = inside.cut_bottom(std::min(ui.metrics.target, inside.height * 0.3f));
-  if (low) {
-    const float beside = ui.draw.width_of(Type::strong, t.review) + ui.px(34);
-    foot = {r.x + beside, r.y, r.width - beside - ui.px(42), ui.metrics.target};
-    inside = {frame.inside.x, foot.bottom(), frame.inside.width, frame.inside.bottom() - foot.bottom()};
-  }
-  const Rect play = foot.cut_left(ui.metrics.target);
-  ButtonLook look{review.playing ? Icon::pause : Icon::play, Role::quiet, false, true, false};
+// The slider and what plays: under the picture, in a low window beside it.
+void draw_scrubber(Ui& ui, const ReviewView& review, const Rect& play, const Rect& groove, bool upright) {
+  if (upright) ui.draw.fill(play, colour::panel.with_alpha(0.72f), ui.px(8));
+  const ButtonLook look{review.playing ? Icon::pause : Icon::play, Role::quiet, false, true, false};
   if (button(ui, "review/play", play, "", look)) ui.send(command::Play{!review.playing});
-  const Slide slide = slider(ui, "review/slider", foot, review.current, 0, std::max(1, count_frames - 1));
+  const auto last = static_cast<int>(review.frames.size()) - 1;
+  const Slide slide = slider(ui, "review/slider", groove, review.current, 0, std::max(1, last), upright);
   if (slide.changed) ui.send(command::ShowFrame{static_cast<std::int32_t>(std::lround(slide.value))});
+}
+
+void draw_bscan(Ui& ui, const Rect& window, Rect inside, const ReviewView& review) {
+  const auto count_frames = static_cast<int>(review.frames.size());
+  const float width = ui.draw.picture_width(Slot::bscan);
+  const float side = ui.metrics.target;
+  const bool low = is_low(ui, window);
+  Rect groove = low ? inside.cut_right(side) : inside.cut_bottom(std::min(side, inside.height * 0.3f));
+  if (low) groove.cut_top(window.y + side - groove.y);  // the corner's place
+  const Rect play = low ? Rect{inside.x, inside.bottom() - side, side, side} : groove.cut_left(side);
 
   ImagePlace place;
   place.r = fit(inside, width, ui.draw.picture_height(Slot::bscan));
@@ -95,6 +82,26 @@ void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
       if (by != 0) ui.send(command::StepFrames{by});
     }
   }
+  draw_scrubber(ui, review, play, groove, low);
+}
+
+}  // namespace
+
+void draw_bscan_window(Ui& ui, const Rect& r, const View& view) {
+  const ReviewView& review = view.review;
+  const Texts& t = ui.texts;
+  const auto count_frames = static_cast<int>(review.frames.size());
+  const Line detail(t.bscan_of, {number(review.current + 1, 0), number(count_frames, 0)});
+  const WindowTitle title{Window::review, "review/title", "review/corner", t.review,
+                          count_frames > 0 && !is_low(ui, r) ? detail.view() : std::string_view()};
+  const Rect inside = begin_window(ui, r, view, title);
+  ui.pictures.show(Slot::bscan, review.bscan);
+  if (count_frames == 0 || ui.draw.picture_width(Slot::bscan) <= 0 || review.current >= count_frames) {
+    empty_note(ui, inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
+  } else {
+    draw_bscan(ui, r, inside, review);
+  }
+  end_window(ui, r, view, title);
 }
 
 }  // namespace sonoband::ui

@@ -113,23 +113,21 @@ void draw_growing(Ui& ui, const Rect& r, const View& view) {
   ui.pictures.show(Slot::growing, live.growing);
   const bool any = ui.draw.picture_width(Slot::growing) > 0;
   const Line detail(t.band_detail, {number(live.growing_mm, 1), name_of(live.compounding, t)});
-  const PanelFrame frame = panel(ui, "", r, t.band_so_far, any ? detail.view() : std::string_view());
+  const Rect inside = panel(ui, r, t.band_so_far, any ? detail.view() : std::string_view());
   if (!any) {
-    empty_note(ui, frame.inside, Icon::record, colour::ink_quiet, t.no_band, t.no_band_cure);
+    empty_note(ui, inside, Icon::record, colour::ink_quiet, t.no_band, t.no_band_cure);
     return;
   }
-  ui.draw.fill(frame.inside, colour::no_data, ui.px(4));
-  const Rect place =
-      fit(frame.inside, ui.draw.picture_width(Slot::growing), ui.draw.picture_height(Slot::growing));
+  ui.draw.fill(inside, colour::no_data, ui.px(4));
+  const Rect place = fit(inside, ui.draw.picture_width(Slot::growing), ui.draw.picture_height(Slot::growing));
   ui.draw.picture(Slot::growing, place, view.review.look);
-  ui.widgets.add("live/band", frame.inside);
+  ui.widgets.add("live/band", inside);
 }
 
 void draw_speed(Ui& ui, const Rect& r, const View& view) {
   const LiveView& live = view.live;
   const Texts& t = ui.texts;
-  const PanelFrame frame = panel(ui, "", r, t.sweep_speed, "");
-  Rect inside = frame.inside.inset(ui.px(6), 0);
+  Rect inside = panel(ui, r, t.sweep_speed, "").inset(ui.px(6), 0);
   ui.widgets.add("live/speed", inside);
   // The mark is the speed at which neighbours are a beam width apart; the gauge ends at 4/3 of it.
   const double limit_mm_s = live.gap_mm > 0 ? live.speed_mm_s * live.widest_gap_mm / live.gap_mm : 0;
@@ -168,7 +166,7 @@ void draw_speed(Ui& ui, const Rect& r, const View& view) {
 
 void draw_live_outline(Ui& ui, const Rect& r, const View& view) {
   const ReviewView& review = view.review;
-  const PanelFrame frame = panel(ui, "", r, ui.texts.outline, "");
+  const Rect place = panel(ui, r, ui.texts.outline, "");
   SceneInput scene;
   scene.frames = review.frames;
   scene.frames_version = view.live.sweep_version;
@@ -178,10 +176,9 @@ void draw_live_outline(Ui& ui, const Rect& r, const View& view) {
         corners_of(*view.live.pose, view.live.picture.pixels.width, view.live.picture.pixels.height);
   }
   if (review.frames.empty() && !scene.probe) {
-    empty_note(ui, frame.inside, Icon::none, colour::ink_quiet, ui.texts.not_scanned, "");
+    empty_note(ui, place, Icon::none, colour::ink_quiet, ui.texts.not_scanned, "");
     return;
   }
-  const Rect place = frame.inside;
   const SceneTexture picture =
       ui.scene.render(scene, static_cast<int>(place.width), static_cast<int>(place.height), ui.px(1));
   ui.draw.scene(picture, place);

@@ -4,27 +4,12 @@
 #include "ui/panels/windows.h"
 
 namespace sonoband::ui {
+namespace {
 
-void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
+void draw_manifold(Ui& ui, const Rect& window, Rect inside, const View& view, std::string_view detail) {
   const ReviewView& review = view.review;
   const Texts& t = ui.texts;
-  ui.pictures.show(Slot::manifold, review.manifold);
   const float width = ui.draw.picture_width(Slot::manifold);
-  const bool any = width > 0;
-  Line detail(t.manifold_detail, {number(review.manifold_thickness_mm, 1), number(review.curve.reach_mm, 0),
-                                  number(review.curve.layers, 0)});
-  if (review.manifold_coarse) detail = Line(t.coarse, {});
-  const PanelFrame frame =
-      panel(ui, "manifold/title", r, t.manifold, any ? detail.view() : std::string_view(),
-            corner_icon(view, Window::manifold));
-  toggle_full(ui, view, Window::manifold, frame);
-  if (!any) {
-    empty_note(ui, frame.inside, Icon::curve, colour::ink_quiet,
-               review.frames.empty() ? t.no_sweep : t.no_curve,
-               review.frames.empty() ? t.no_sweep_cure : t.no_curve_cure);
-    return;
-  }
-  Rect inside = frame.inside;
   // The handle sits on the picture's lower edge: pulling it down makes the surface higher (the paper resizes
   // the window for the same).
   const float handle_height = std::min(ui.metrics.target * 0.6f, inside.height * 0.25f);
@@ -32,6 +17,10 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
   const float height = ui.draw.picture_height(Slot::manifold);
   const Rect place = fit(inside, width, height);
   const Rect handle{place.x, place.bottom(), place.width, handle_height};
+  if (is_low(ui, window)) {
+    const Rect words = beside_title(ui, window);
+    if (words.right() < place.x) ui.draw.paragraph(words, Type::small, colour::ink_quiet, detail);
+  }
   ui.draw.fill(place, colour::no_data);
   ui.draw.picture(Slot::manifold, place, review.look);
   const double px_per_mm =
@@ -55,10 +44,16 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
   // Rows run along the plane's normal; where the columns point changes with the curve.
   const Eigen::Vector3d across = Eigen::Vector3d::Zero();
   const Sides sides = sides_of(review);
-  draw_orientation_arms(ui, place, seen(sides.marked, across, review.plane.normal().v),
+  draw_orientation_arms(ui, below_title(ui, window, place),
+                        seen(sides.marked, across, review.plane.normal().v),
                         seen(sides.deep, across, review.plane.normal().v));
 
-  const std::uint64_t id = ui.widgets.add("manifold/reach", handle);
+  ui.widgets.add("manifold/picture", inside);
+  // A finger may land on the picture's foot as well: the handle alone is lower than a finger is wide.
+  const float side = ui.metrics.target;
+  const float wide = std::max({handle.width, ui.px(88), side});
+  const std::uint64_t id =
+      ui.widgets.add("manifold/reach", {handle.centre().x - wide / 2, handle.bottom() - side, wide, side});
   const bool held = ui.finger.down && ui.finger.target == id;
   const Vec2 c = handle.centre();
   ui.draw.fill({c.x - ui.px(44), c.y - ui.px(3), ui.px(88), ui.px(6)},
@@ -68,8 +63,29 @@ void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
     // The picture is 2 r high and stays centred.
     ui.send(command::SetReach{std::max(1.0, review.curve.reach_mm + g.step.y / px_per_mm)});
   }
-  ui.widgets.add("manifold/picture", inside);
   tell_touching(ui, id);
+}
+
+}  // namespace
+
+void draw_manifold_window(Ui& ui, const Rect& r, const View& view) {
+  const ReviewView& review = view.review;
+  const Texts& t = ui.texts;
+  ui.pictures.show(Slot::manifold, review.manifold);
+  const bool any = ui.draw.picture_width(Slot::manifold) > 0;
+  Line detail(t.manifold_detail, {number(review.manifold_thickness_mm, 1), number(review.curve.reach_mm, 0),
+                                  number(review.curve.layers, 0)});
+  if (review.manifold_coarse) detail = Line(t.coarse, {});
+  const WindowTitle title{Window::manifold, "manifold/title", "manifold/corner", t.manifold,
+                          any && !is_low(ui, r) ? detail.view() : std::string_view()};
+  const Rect inside = begin_window(ui, r, view, title);
+  if (any) {
+    draw_manifold(ui, r, inside, view, detail);
+  } else {
+    empty_note(ui, inside, Icon::curve, colour::ink_quiet, review.frames.empty() ? t.no_sweep : t.no_curve,
+               review.frames.empty() ? t.no_sweep_cure : t.no_curve_cure);
+  }
+  end_window(ui, r, view, title);
 }
 
 }  // namespace sonoband::ui

@@ -7,17 +7,10 @@
 
 namespace sonoband::ui {
 
-void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
+namespace {
+
+void draw_outline(Ui& ui, const Rect& window, const Rect& place, const View& view) {
   const ReviewView& review = view.review;
-  const Texts& t = ui.texts;
-  const bool any = !review.frames.empty();
-  const PanelFrame frame = panel(ui, "outline/title", r, t.outline, any ? t.tap_outline : std::string_view(),
-                                 corner_icon(view, Window::outline));
-  toggle_full(ui, view, Window::outline, frame);
-  if (!any) {
-    empty_note(ui, frame.inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
-    return;
-  }
   SceneInput scene;
   scene.frames = review.frames;
   scene.frames_version = review.sweep_version;
@@ -31,7 +24,6 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
   scene.reach_mm = review.curve.reach_mm;
   scene.orbit = review.orbit;
   scene.look = review.look;
-  const Rect place = frame.inside;
   ui.draw.scene(
       ui.scene.render(scene, static_cast<int>(place.width), static_cast<int>(place.height), ui.px(1)), place);
   const OutlineView eye = ui.scene.view(scene, place);
@@ -48,7 +40,7 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
   draw_scale_bar(ui, place, eye.px_per_mm());
   const Sides sides = sides_of(review);
   const Eigen::Matrix3d& e = eye.eye_from_world();
-  draw_orientation_arms(ui, place, seen(sides.marked, e.row(0), e.row(1)),
+  draw_orientation_arms(ui, below_title(ui, window, place), seen(sides.marked, e.row(0), e.row(1)),
                         seen(sides.deep, e.row(0), e.row(1)));
   ui.draw.end_clip();
   orbit_by_gestures(ui, "outline/picture", place, review.orbit);
@@ -57,6 +49,22 @@ void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
     if (const auto i = pick_outline(review.frames, eye, g.at, ui.metrics.target / 2))
       ui.send(command::ShowFrame{*i});
   }
+}
+
+}  // namespace
+
+void draw_outline_window(Ui& ui, const Rect& r, const View& view) {
+  const Texts& t = ui.texts;
+  const bool any = !view.review.frames.empty();
+  const WindowTitle title{Window::outline, "outline/title", "outline/corner", t.outline,
+                          any && !is_low(ui, r) ? t.tap_outline : std::string_view()};
+  const Rect inside = begin_window(ui, r, view, title);
+  if (any) {
+    draw_outline(ui, r, inside, view);
+  } else {
+    empty_note(ui, inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
+  }
+  end_window(ui, r, view, title);
 }
 
 }  // namespace sonoband::ui

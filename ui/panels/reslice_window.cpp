@@ -97,27 +97,11 @@ void draw_normal_strip(Ui& ui, const Rect& r, const PlanePlace& place) {
   }
 }
 
-}  // namespace
-
-void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
+void draw_reslice(Ui& ui, const Rect& window, Rect inside, const View& view) {
   const ReviewView& review = view.review;
-  const Texts& t = ui.texts;
   const double thickness = review.settings.band.thickness_mm;
-  Line detail = thickness > 0 ? Line(t.reslice_detail,
-                                     {number(thickness, 1), short_name(review.settings.compounding, t)})
-                              : Line(t.thin, {});
-  if (review.band_left_out > 0) detail = Line(t.left_out, {number(review.band_left_out, 0)});
-  if (review.band_coarse) detail = Line(t.coarse, {});
-  const bool any = !review.frames.empty();
-  const PanelFrame frame = panel(ui, "reslice/title", r, t.reslice, any ? detail.view() : std::string_view(),
-                                 corner_icon(view, Window::reslice));
-  toggle_full(ui, view, Window::reslice, frame);
-  if (!any) {
-    empty_note(ui, frame.inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
-    return;
-  }
-  Rect inside = frame.inside;
-  const Rect strip = inside.cut_right(std::max(ui.metrics.target * 0.8f, ui.px(46)));
+  Rect strip = inside.cut_right(std::max(ui.metrics.target, ui.px(46)));
+  if (is_low(ui, window)) strip.cut_top(window.y + ui.metrics.target - strip.y);  // the corner's place
   inside.cut_right(ui.px(4));
 
   const ReslicePlane& p = review.plane;
@@ -167,7 +151,7 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
   });
   draw_scale_bar(ui, inside, place.px_per_mm);
   const Sides sides = sides_of(review);
-  draw_orientation_arms(ui, inside, seen(sides.marked, p.right.v, p.down.v),
+  draw_orientation_arms(ui, below_title(ui, window, inside), seen(sides.marked, p.right.v, p.down.v),
                         seen(sides.deep, p.right.v, p.down.v));
   ui.draw.end_clip();
 
@@ -197,6 +181,29 @@ void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
                    place);
     tell_touching(ui, id_of("reslice/trackball"));
   }
+}
+
+}  // namespace
+
+void draw_reslice_window(Ui& ui, const Rect& r, const View& view) {
+  const ReviewView& review = view.review;
+  const Texts& t = ui.texts;
+  const double thickness = review.settings.band.thickness_mm;
+  Line detail = thickness > 0 ? Line(t.reslice_detail,
+                                     {number(thickness, 1), short_name(review.settings.compounding, t)})
+                              : Line(t.thin, {});
+  if (review.band_left_out > 0) detail = Line(t.left_out, {number(review.band_left_out, 0)});
+  if (review.band_coarse) detail = Line(t.coarse, {});
+  const bool any = !review.frames.empty();
+  const WindowTitle title{Window::reslice, "reslice/title", "reslice/corner", t.reslice,
+                          any ? detail.view() : std::string_view()};
+  const Rect inside = begin_window(ui, r, view, title);
+  if (any) {
+    draw_reslice(ui, r, inside, view);
+  } else {
+    empty_note(ui, inside, Icon::review, colour::ink_quiet, t.no_sweep, t.no_sweep_cure);
+  }
+  end_window(ui, r, view, title);
 }
 
 }  // namespace sonoband::ui

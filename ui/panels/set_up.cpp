@@ -13,7 +13,7 @@ constexpr std::array<std::string_view, 8> probe_names = {"set-up/probe-0", "set-
 
 void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
   const Texts& t = ui.texts;
-  Rect rest = panel(ui, "", r, t.probe, "").inside;
+  Rect rest = panel(ui, r, t.probe, "");
   const float height = std::max(ui.metrics.target, ui.px(60));
   for (int i = 0;
        i < static_cast<int>(std::min(s.probes.size(), probe_names.size())) && rest.height >= height; ++i) {
@@ -30,7 +30,9 @@ void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
     }
     const Rect inside = line.inset(ui.px(14), ui.px(6));
     ui.draw.text_in(row(inside, 0, 2, 0), Align::left, Type::strong, colour::ink,
-                    Line(t.probe_line, {p.name, number(p.depth_mm, 0)}));
+                    p.depth_mm > 0
+                        ? Line(t.probe_line, {p.name.empty() ? t.unnamed : p.name, number(p.depth_mm, 0)})
+                        : Line("{0}", {p.name.empty() ? t.unnamed : p.name}));
     const Line age = !p.calibrated            ? Line(t.not_calibrated, {})
                      : p.calibration_days < 0 ? Line(t.calibrated, {})
                      : p.calibration_days < 1 ? Line(t.calibrated_today, {})
@@ -42,7 +44,7 @@ void draw_probes(Ui& ui, const Rect& r, const SetUpView& s) {
 
 void draw_devices(Ui& ui, const Rect& r, const StatusView& s) {
   const Texts& t = ui.texts;
-  Rect rest = panel(ui, "", r, t.devices, "").inside;
+  Rect rest = panel(ui, r, t.devices, "");
   ui.widgets.add("set-up/devices", r);
   struct Device {
     std::string_view name;
@@ -71,7 +73,7 @@ void draw_devices(Ui& ui, const Rect& r, const StatusView& s) {
 // A title, two buttons and a sentence about the one chosen.
 int draw_either(Ui& ui, const Rect& r, std::string_view title, std::initializer_list<Choice> both, int chosen,
                 std::string_view words) {
-  Rect rest = panel(ui, "", r, title, "").inside;
+  Rect rest = panel(ui, r, title, "");
   const int tapped = choices(ui, rest.cut_top(ui.metrics.target), both, chosen);
   rest.cut_top(ui.px(8));
   ui.draw.paragraph(rest, Type::small, colour::ink_quiet, words);
@@ -96,7 +98,7 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
                view.status);
   left.cut_top(gap);
   if (s.capture_width > 0 && left.height >= title + line + ui.px(16)) {
-    const Rect inside = panel(ui, "", left.cut_top(title + line + ui.px(16)), t.crop, "").inside;
+    const Rect inside = panel(ui, left.cut_top(title + line + ui.px(16)), t.crop, "");
     ui.draw.text_in(
         {inside.x + ui.px(4), inside.y, inside.width, line}, Align::left, Type::body, colour::ink,
         Line(t.crop_line, {number(s.crop_px.width, 0), number(s.crop_px.height, 0), number(s.crop_px.x, 0),
@@ -121,7 +123,7 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
 
   if (s.sound_missing && !s.has_sound) {
     const Rect silent = right.cut_top(title + line + ui.px(16));
-    const Rect words = panel(ui, "", silent, t.sound, "").inside;
+    const Rect words = panel(ui, silent, t.sound, "");
     ui.widgets.add("set-up/no-sound", silent);
     ui.draw.text_in({words.x + ui.px(4), words.y, words.width, line}, Align::left, Type::body,
                     colour::warning, t.no_sound);
@@ -129,14 +131,17 @@ void draw_set_up(Ui& ui, const Rect& r, const View& view) {
   }
 
   const Rect storage = right.cut_top(std::min(right.height, title + line + ui.px(16)));
-  const Rect place = panel(ui, "", storage, t.storage, "").inside;
+  const Rect place = panel(ui, storage, t.storage, "");
   ui.widgets.add("set-up/storage", storage);
-  ui.draw.text_in({place.x + ui.px(4), place.y, place.width, line}, Align::left, Type::body, colour::ink,
-                  Line(t.storage_line, {s.storage_place, number(view.status.storage.minutes_left, 0)}));
+  Rect words = {place.x + ui.px(4), place.y, place.width - ui.px(8), line};
+  const Line left_over(t.disk_minutes, {number(view.status.storage.minutes_left, 0)});
+  ui.draw.text_in(words.cut_right(ui.draw.width_of(Type::body, left_over) + ui.px(2)), Align::right,
+                  Type::body, colour::ink_quiet, left_over);
+  words.cut_right(ui.px(12));
+  ui.draw.text_in(words, Align::left, Type::body, colour::ink, s.storage_place);
   right.cut_top(gap);
   if (right.height < ui.px(70)) return;
-  Rect about =
-      panel(ui, "", right.cut_top(title + 2 * line + ui.px(16)), t.about, "").inside.inset(ui.px(4), 0);
+  Rect about = panel(ui, right.cut_top(title + 2 * line + ui.px(16)), t.about, "").inset(ui.px(4), 0);
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::ink, Line(t.about_line, {s.version}));
   ui.draw.text_in(about.cut_top(line), Align::left, Type::body, colour::warning, t.research_only);
 }

@@ -55,7 +55,7 @@ drag reslice/normal 0.5,0.5 0.5,0.55 0.1
   cart.play(R"(tap tools/curve
 drag reslice/picture 0.42,0.6 0.46,0.45 0.54,0.45 0.58,0.6 0.3
 drag tools/thickness 0.2,0.5 0.36,0.5 0.1
-drag manifold/reach 0.5,0.5 0.5,1.5 0.1
+drag manifold/reach 0.5,0.5 0.5,1.1 0.1
 )");
   ASSERT_TRUE(cart.loop().worker().newest()->manifold);
   golden("manifold");
