@@ -39,7 +39,8 @@ std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm
 
 std::vector<const TrackedFrame*> thinned_for_nearest(const SweepView& sweep, double pixel_mm) {
   std::vector<const TrackedFrame*> kept;
-  for (const auto& [id, of_sweep] : by_sweep(sweep)) {
+  for (const auto& in_order : by_sweep(sweep)) {
+    const auto& of_sweep = in_order.second;  // clang 14 captures no structured bindings
     const std::size_t count = of_sweep.size();
     const auto frame = [&](std::size_t i) -> const TrackedFrame& { return *sweep.frames[of_sweep[i]]; };
     const auto neighbours = [&](std::size_t a, std::size_t b) {
