@@ -223,7 +223,7 @@ TEST(VideoSource, MotionJpegIsDecodedAndWarnedAbout) {
   EXPECT_EQ(rig.health().state, DeviceState::degraded);
   ASSERT_FALSE(rig.frames.empty());
   EXPECT_EQ(rig.frames.back().format, PixelFormat::grey8);
-  EXPECT_NEAR(rig.frames.back().data[height / 2 * width], 200, 1);
+  EXPECT_NEAR(rig.frames.back().data[std::size_t{width} * (height / 2)], 200, 1);
 }
 
 TEST(VideoSource, JpegsThatAreCutOffOrOfAnotherSizeAreLost) {
