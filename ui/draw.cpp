@@ -160,8 +160,10 @@ float Draw::picture_height(Slot slot) const {
 }
 
 void Draw::scene(const SceneTexture& picture, const Rect& r) {
-  frame_.list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(picture.texture)),
-                        {r.x, r.y}, {r.right(), r.bottom()}, {0, picture.part.y}, {picture.part.x, 0});
+  const auto number = static_cast<std::intptr_t>(picture.texture);
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): Dear ImGui's name of a texture is a pointer
+  const auto name = reinterpret_cast<ImTextureID>(number);
+  frame_.list->AddImage(name, {r.x, r.y}, {r.right(), r.bottom()}, {0, picture.part.y}, {picture.part.x, 0});
   note_kind(picture.kind);
 }
 
