@@ -139,11 +139,13 @@ TEST(ExportOnTheScreen, CancelledItLeavesNoHalfFileAndTheCartRecordsOn) {
     EXPECT_TRUE(files_below(folder / "out").empty());
   }
   // The sheet may be closed and a sweep recorded while it runs; what came of it is said.
-  cart.play("tap export/start\n");
+  cart.play("tap export/png\n");
+  tap_quickly(cart, "export/start");
+  cart.player().frame();
   ASSERT_TRUE(transfer(cart).running());
   cart.play("tap sheet/close\ntap rail/live\npress\nwait 1\nrelease\nawait review 5\n");
   ASSERT_TRUE(until(cart, [&] { return cart.loop().view().notice.starts_with("Exported to "); }));
-  EXPECT_EQ(files_below(folder / "out").size(), 1u);
+  EXPECT_GT(files_below(folder / "out").size(), 20u);
 }
 
 // What is in it: Movie.AWholeTurnIsTheSameFromTheScreen.

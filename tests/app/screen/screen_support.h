@@ -70,12 +70,13 @@ class ScreenCart {
 // cart's clock goes frame by frame.
 template <class Condition>
 bool until(ScreenCart& cart, const Condition& condition,
-           std::chrono::milliseconds at_most = std::chrono::seconds(10)) {
-  constexpr std::chrono::milliseconds pause(4);
-  for (int i = 0; i < at_most / pause; ++i) {
+           std::chrono::seconds at_most = std::chrono::seconds(60)) {
+  // An export lets everything else go first: beside other tests it waits longest.
+  const auto end = std::chrono::steady_clock::now() + at_most;
+  while (std::chrono::steady_clock::now() < end) {
     if (condition()) return true;
     cart.player().frame();
-    std::this_thread::sleep_for(pause);
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
   }
   return condition();
 }
