@@ -223,7 +223,8 @@ TEST(VideoSource, MotionJpegIsDecodedAndWarnedAbout) {
   EXPECT_EQ(rig.health().state, DeviceState::degraded);
   ASSERT_FALSE(rig.frames.empty());
   EXPECT_EQ(rig.frames.back().format, PixelFormat::grey8);
-  EXPECT_NEAR(rig.frames.back().data[std::size_t{width} * (height / 2)], 200, 1);
+  constexpr std::size_t middle_row = height / 2;
+  EXPECT_NEAR(rig.frames.back().data[middle_row * width], 200, 1);
 }
 
 TEST(VideoSource, JpegsThatAreCutOffOrOfAnotherSizeAreLost) {
