@@ -99,7 +99,8 @@ void LibertyCodec::hear_records(std::span<const std::uint8_t> bytes, Stamp now, 
 
 void LibertyCodec::hear_record(const Packet& packet, Streaming& streaming, LinkCounters& counters) {
   if (classify(packet.error) != ErrorKind::none) counters.last_error = packet.error;
-  const auto record = packet.command == stream_command
+  // The refusal of a command is of no station, whatever its body looks like.
+  const auto record = packet.command == stream_command && packet.station >= 1
                           ? decode_record(packet, tracking_list, Units::centimetres)
                           : std::nullopt;
   if (!record) {

@@ -128,6 +128,21 @@ TEST(Link, FirstRecordsSettleThenFlow) {
   EXPECT_TRUE(p.tracker_from_probe.rotation.isApprox(matrix, 1e-5));
 }
 
+// Found by fuzzing: a refusal is of station 0, and one with a whole record inside was taken for that
+// station's.
+TEST(Link, ARefusalWithARecordInsideIsNoReading) {
+  Conversation c(test::ascii("LY"));
+  c.run(1.05);
+  Bytes record = test::example::stream;
+  record[2] = 0;
+  record[4] = 0x01;  // a command's error
+  const std::uint64_t notices = c.link.counters().notices;
+  c.hear(record);
+  c.run(1.1);
+  EXPECT_EQ(c.link.counters().notices, notices + 1);
+  EXPECT_TRUE(c.readings.empty());
+}
+
 TEST(Link, AskedToLeaveItStopsTheStreamAndCloses) {
   Conversation c(test::ascii("LY"));
   c.run(1.05);
