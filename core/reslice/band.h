@@ -105,10 +105,10 @@ BandImage render_lines(const SweepView& sweep, const LineBundle& bundle, const R
 std::vector<double> gap_limits(const SweepView& sweep, const GapLimit& gap);
 
 // Those of sweep.frames that stay when none need be closer than `pixel_mm`: going through each sweep in order
-// of capture, a frame is left out while the next one is still within pixel_mm of the last that stayed, at
-// every corner. So a frame left out of a steady sweep lies between two that stay and are at most a pixel
-// apart, and a sample's position moves by at most half a pixel across the frames. The first and last of a
-// sweep stay.
+// of capture, a frame is left out while the next is still within a pixel (thinning_pixel, thinning.h) of the
+// last that stayed, at every corner. So a frame left out of a steady sweep lies between two that stay and are
+// at most a pixel apart, and a sample's position moves by at most half a pixel across the frames. The first
+// and last of a sweep stay.
 std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm);
 
 // Width of one pixel in mm of the sweep's first frame: the paper's resolution cell. 0 without frames.

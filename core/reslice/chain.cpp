@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/reslice/thinning.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {
@@ -73,9 +74,10 @@ void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, 
     return span_of({from.gradient - to.gradient, from.offset - to.offset}, box).highest +
            turn(i, j) * pixel_mm / 2;
   };
+  const double most_mm = thinning_pixel * pixel_mm;
   const auto neighbours = [&](std::size_t i, std::size_t j) {
-    if (interpolation == Interpolation::linear || !table.complete) return widest(i, j) <= pixel_mm;
-    return widest(i, j - 1) <= pixel_mm && widest(i + 1, j) <= pixel_mm;
+    if (interpolation == Interpolation::linear || !table.complete) return widest(i, j) <= most_mm;
+    return widest(i, j - 1) <= most_mm && widest(i + 1, j) <= most_mm;
   };
   std::vector<int> kept = {all.front()};
   for (std::size_t i = 0; i + 1 < all.size();) {

@@ -25,9 +25,9 @@ struct Chain {
 bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
                 Chain& chain);
 
-// Leaves out members that lie denser than `pixel_mm`, the output's, by a rule that keeps the definition's
-// values within half an output pixel in position, at every sample of the box. Members between two that stay
-// go where,
+// Leaves out members that lie denser than the output's pixels of `pixel_mm`, by a rule that keeps the
+// definition's values within half an output pixel in position, at every sample of the box; a pixel counts as
+// thinning_pixel (thinning.h) says. Members between two that stay go where,
 //  - nearest, of a table with all frames of the sweep: from either of the two to the one before the other is
 //  at most a pixel. So a sample takes
 //    the pixel that the definition, with all frames, takes at a point at most half a pixel away: beyond half

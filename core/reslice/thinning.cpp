@@ -27,7 +27,7 @@ std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm
       const TrackedFrame* frame = sweep.frames[of_sweep[i]];
       const bool last = i + 1 == of_sweep.size();
       if (last_kept != nullptr && !last &&
-          corner_distance_mm(*last_kept, *sweep.frames[of_sweep[i + 1]]) <= pixel_mm) {
+          corner_distance_mm(*last_kept, *sweep.frames[of_sweep[i + 1]]) <= thinning_pixel * pixel_mm) {
         continue;
       }
       kept.push_back(frame);
@@ -38,14 +38,15 @@ std::vector<const TrackedFrame*> thinned(const SweepView& sweep, double pixel_mm
 }
 
 std::vector<const TrackedFrame*> thinned_for_nearest(const SweepView& sweep, double pixel_mm) {
+  const double most_mm = thinning_pixel * pixel_mm;
   std::vector<const TrackedFrame*> kept;
   for (const auto& in_order : by_sweep(sweep)) {
     const auto& of_sweep = in_order.second;  // clang 14 captures no structured bindings
     const std::size_t count = of_sweep.size();
     const auto frame = [&](std::size_t i) -> const TrackedFrame& { return *sweep.frames[of_sweep[i]]; };
     const auto neighbours = [&](std::size_t a, std::size_t b) {
-      return corner_distance_mm(frame(a), frame(b - 1)) <= pixel_mm &&
-             corner_distance_mm(frame(b), frame(a + 1)) <= pixel_mm;
+      return corner_distance_mm(frame(a), frame(b - 1)) <= most_mm &&
+             corner_distance_mm(frame(b), frame(a + 1)) <= most_mm;
     };
     kept.push_back(&frame(0));
     for (std::size_t a = 0; a + 1 < count;) {

@@ -15,6 +15,7 @@ namespace sonoband {
 namespace {
 
 constexpr double pixel_mm = 0.2;
+constexpr double half_pixel_mm = (0.5 + 1.0 / 256) * pixel_mm;  // as near as the rule counts it
 
 // Frames of noise, `spacing_mm` apart but for a tenth of it, with a hand's wobble: wherever a value comes
 // from, it tells.
@@ -95,7 +96,7 @@ bool found_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::uin
     const Eigen::Vector3d at = foot(*f, p);
     if (std::abs(at.z()) > 3 * pixel_mm || nearest_pixel(*f, at) != value) continue;
     // Towards the frame, where it is nearest if anywhere.
-    const double toward = std::clamp(-at.z(), -pixel_mm / 2 - 1e-6, pixel_mm / 2 + 1e-6);
+    const double toward = std::clamp(-at.z(), -half_pixel_mm - 1e-6, half_pixel_mm + 1e-6);
     const Eigen::Vector3d normal = f->world_from_image.linear.col(2).normalized();
     if (is_nearest(sweep, *f, p + toward * normal)) return true;
   }
@@ -111,11 +112,11 @@ bool blended_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::u
   if (beyond(sweep.view().frames.front(), -1) || beyond(sweep.view().frames.back(), 1)) return true;
   for (const TrackedFrame* a : sweep.view().frames) {
     const Eigen::Vector3d of_a = foot(*a, p);
-    if (of_a.z() < 0 || of_a.z() > pixel_mm) continue;
+    if (of_a.z() < 0 || of_a.z() > 2 * half_pixel_mm) continue;
     for (const TrackedFrame* b : sweep.view().frames) {
       const Eigen::Vector3d of_b = foot(*b, p);
       const double gap = of_a.z() - of_b.z();
-      if (of_b.z() >= 0 || gap > pixel_mm + 1e-6) continue;
+      if (of_b.z() >= 0 || gap > 2 * half_pixel_mm + 1e-6) continue;
       const double w = of_a.z() / gap;
       if (std::abs((1 - w) * bilinear(*a, of_a) + w * bilinear(*b, of_b) - value) <= 1.5) return true;
     }
@@ -203,6 +204,34 @@ TEST(Thinning, LeavesOutWhatTheRuleLets) {
   EXPECT_GE(left_out(0.025, Interpolation::linear), 320);
   EXPECT_EQ(left_out(0.3, Interpolation::nearest), 0);
   EXPECT_EQ(left_out(0.3, Interpolation::linear), 0);
+}
+
+// Parallel frames, two gaps of which are `gaps` pixels.
+test::TestSweep steady_frames(double gaps, int count) {
+  test::TestSweep sweep;
+  for (int i = 0; i < count; ++i) {
+    sweep.add(120, 70,
+              test::image_pose(Eigen::Matrix3d::Identity(), {0, 0, i * gaps * pixel_mm / 2}, pixel_mm),
+              [&](int, int, const Eigen::Vector3d&) { return std::uint8_t{9}; });
+  }
+  return sweep;
+}
+
+// Half a pixel is kept to 1/256 of one: two gaps of 1 1/128 pixels are a pixel to chains and to whole sweeps.
+TEST(Thinning, TakesAPixelAndAHundredTwentyEighthForOne) {
+  Serial serial;
+  for (const bool inside : {true, false}) {
+    const test::TestSweep sweep = steady_frames(1 + 1.0 / 128 + (inside ? -1e-3 : 1e-3), 101);
+    // Nearest takes every third frame or every second, linear every second or all.
+    EXPECT_EQ(thinned_for_nearest(sweep.view(), pixel_mm).size(), inside ? 35U : 51U);
+    EXPECT_EQ(thinned(sweep.view(), pixel_mm).size(), inside ? 51U : 101U);
+    const auto left_out = [&](Interpolation interpolation) {
+      return render_planar(sweep.view(), plane_across(0), thin_settings(interpolation), serial)
+          .frames_left_out;
+    };
+    EXPECT_NEAR(left_out(Interpolation::nearest), inside ? 67 : 50, 2);
+    EXPECT_NEAR(left_out(Interpolation::linear), inside ? 50 : 0, 2);
+  }
 }
 
 // 0.1 mm apart and a pixel of 0.25 mm: a frame is at most two gaps from the one before the next that stays.
