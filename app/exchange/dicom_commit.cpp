@@ -126,17 +126,27 @@ CommitmentAsked ask_commitment(const std::vector<DicomReference>& objects, const
 
 namespace {
 
+// DCMTK 3.6.9 (Debian 13) wants to know for which profile a certificate is to do; 3.6.7 (Debian 12) does not.
+template <typename Layer>
+OFCondition set_certificate(Layer& layer, const std::filesystem::path& file, DcmTLSSecurityProfile profile) {
+  if constexpr (requires { layer.setCertificateFile(file.c_str(), DCF_Filetype_PEM, profile); })
+    return layer.setCertificateFile(file.c_str(), DCF_Filetype_PEM, profile);
+  else
+    return layer.setCertificateFile(file.c_str(), DCF_Filetype_PEM);
+}
+
 // The part of the one who is called.
 std::unique_ptr<DcmTLSTransportLayer> answering_layer(const DicomTls& tls) {
   check_files(tls);
+  constexpr DcmTLSSecurityProfile profile = TSP_Profile_BCP195;
   const auto sound = [](const OFCondition& done, const std::filesystem::path& file) {
     if (done.bad()) throw BadInput(fmt::format("{}: TLS cannot use it ({})", file.string(), done.text()));
   };
   auto layer = std::make_unique<DcmTLSTransportLayer>(NET_ACCEPTOR, nullptr, OFTrue);
-  sound(layer->setTLSProfile(TSP_Profile_BCP195), tls.certificate);
+  sound(layer->setTLSProfile(profile), tls.certificate);
   sound(layer->activateCipherSuites(), tls.certificate);
   sound(layer->setPrivateKeyFile(tls.key.c_str(), DCF_Filetype_PEM), tls.key);
-  sound(layer->setCertificateFile(tls.certificate.c_str(), DCF_Filetype_PEM), tls.certificate);
+  sound(set_certificate(*layer, tls.certificate, profile), tls.certificate);
   if (!layer->checkPrivateKeyMatchesCertificate())
     throw BadInput(tls.key.string() + ": this is not the key of " + tls.certificate.string());
   sound(layer->addTrustedCertificateFile(tls.trusted.c_str(), DCF_Filetype_PEM), tls.trusted);
