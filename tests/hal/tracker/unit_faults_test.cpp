@@ -1,6 +1,6 @@
-// The simulator's faults of the tracker's unit, and what it was left in by whoever was here before, end to end.
-// The rig judges every reading: no usable pose is ever wrong and no epoch bridges a restart. Here: it comes
-// back.
+// The simulator's faults of the tracker's unit, and what it was left in by whoever was here before, end to
+// end. The rig judges every reading: no usable pose is ever wrong and no epoch bridges a restart. Here: it
+// comes back.
 #include <gtest/gtest.h>
 
 #include <string>
