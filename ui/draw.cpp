@@ -24,13 +24,54 @@ void paint_picture(const ImDrawList*, const ImDrawCmd* command) {
   if (clip.z <= clip.x || clip.w <= clip.y) return;
   glScissor(static_cast<GLint>(clip.x), static_cast<GLint>(order.screen_height - clip.w),
             static_cast<GLsizei>(clip.z - clip.x), static_cast<GLsizei>(clip.w - clip.y));
-  order.pictures->paint(order.slot, order.target, order.source, order.look, order.screen_width,
-                        order.screen_height);
+  // Pictures hide what is behind them.
+  glDisable(GL_BLEND);
+  order.pictures->paint(order.slot, order.target, order.look, order.screen_width, order.screen_height);
+}
+
+// Dear ImGui draws every shape with a texture and blending: for large ones of a solid colour that was half of
+// what Mesa's rasteriser took for a frame. Smaller ones, in square pixels, are not worth a draw call.
+constexpr float least_cleared = 12000;
+
+void clear_rectangle(const ImDrawList*, const ImDrawCmd* command) {
+  const auto& order = *static_cast<const ClearOrder*>(command->UserCallbackData);
+  const ImVec4& clip = command->ClipRect;
+  if (clip.z <= clip.x || clip.w <= clip.y) return;
+  glScissor(static_cast<GLint>(clip.x), static_cast<GLint>(order.screen_height - clip.w),
+            static_cast<GLsizei>(clip.z - clip.x), static_cast<GLsizei>(clip.w - clip.y));
+  const std::uint32_t c = order.colour.rgba;
+  glClearColor(static_cast<float>(c >> 24) / 255, static_cast<float>(c >> 16 & 255) / 255,
+               static_cast<float>(c >> 8 & 255) / 255, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
 }
 
 }  // namespace
 
+// The whole pixels within `r` and between its round corners are cleared, what is left is drawn.
+bool Draw::clear(const Rect& r, Colour c, float radius) {
+  if ((c.rgba & 255) != 255 || r.width * r.height < least_cleared) return false;
+  const float round = radius > 0 ? radius + 1 : 0;
+  const Vec2 from{std::ceil(r.x), std::ceil(r.y + round)};
+  const Vec2 to{std::floor(r.right()), std::floor(r.bottom() - round)};
+  if (to.x <= from.x || to.y <= from.y || frame_.clear_count == static_cast<int>(frame_.clears.size()))
+    return false;
+  const auto strip = [&](Vec2 a, Vec2 b, ImDrawFlags corners) {
+    if (a.x < b.x && a.y < b.y) frame_.list->AddRectFilled(im(a), im(b), im(c), radius, corners);
+  };
+  strip({r.x, r.y}, {r.right(), from.y}, ImDrawFlags_RoundCornersTop);
+  strip({r.x, to.y}, {r.right(), r.bottom()}, ImDrawFlags_RoundCornersBottom);
+  strip({r.x, from.y}, {from.x, to.y}, ImDrawFlags_RoundCornersNone);
+  strip({to.x, from.y}, {r.right(), to.y}, ImDrawFlags_RoundCornersNone);
+  ClearOrder& order = frame_.clears[frame_.clear_count++];
+  order = {c, frame_.screen_height};
+  begin_clip({from.x, from.y, to.x - from.x, to.y - from.y});
+  frame_.list->AddCallback(clear_rectangle, &order);
+  end_clip();
+  return true;
+}
+
 void Draw::fill(const Rect& r, Colour c, float radius) {
+  if (clear(r, c, radius)) return;
   frame_.list->AddRectFilled({r.x, r.y}, {r.right(), r.bottom()}, im(c), radius);
 }
 
@@ -140,11 +181,11 @@ void Draw::end_clip() {
   frame_.list->PopClipRect();
 }
 
-void Draw::picture(Slot slot, const Rect& r, const Rect& source, const Look& look) {
+void Draw::picture(Slot slot, const Rect& r, const Look& look) {
   if (!frame_.pictures->has(slot) || r.empty()) return;
   if (frame_.order_count == static_cast<int>(frame_.orders.size())) return;
   PictureOrder& order = frame_.orders[frame_.order_count++];
-  order = {frame_.pictures, slot, r, source, look, frame_.screen_width, frame_.screen_height};
+  order = {frame_.pictures, slot, r, look, frame_.screen_width, frame_.screen_height};
   begin_clip(r);
   frame_.list->AddCallback(paint_picture, &order);
   frame_.list->AddCallback(ImDrawCallback_ResetRenderState, nullptr);
@@ -182,12 +223,6 @@ void Draw::note_kind(const TextureKind& texture) {
 
 void Draw::end() {
   note_kind(frame_.type_kind);
-}
-
-void Draw::picture(Slot slot, const Rect& r, const Look& look) {
-  const auto w = static_cast<float>(frame_.pictures->width(slot));
-  const auto h = static_cast<float>(frame_.pictures->height(slot));
-  picture(slot, r, {-0.5f, -0.5f, w, h}, look);
 }
 
 }  // namespace sonoband::ui

@@ -92,10 +92,7 @@ class Draw {
   void begin_clip(const Rect& r);
   void end_clip();
 
-  // The part `source` (in pixels of the picture, edges at -0.5 and width - 0.5) of what `slot` holds fills
-  // `r`.
-  void picture(Slot slot, const Rect& r, const Rect& source, const Look& look);
-  // All of it.
+  // What `slot` holds fills `r`.
   void picture(Slot slot, const Rect& r, const Look& look);
   float picture_width(Slot slot) const;  // in its own pixels; 0: there is none
   float picture_height(Slot slot) const;
@@ -106,6 +103,7 @@ class Draw {
 
  private:
   void note_kind(const TextureKind& texture);
+  bool clear(const Rect& r, Colour c, float radius);
 
   Frame& frame_;
 };

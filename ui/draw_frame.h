@@ -14,9 +14,14 @@ struct PictureOrder {
   Pictures* pictures = nullptr;
   Slot slot = Slot::live;
   Rect target;
-  Rect source;
   Look look;
   float screen_width = 0;
+  float screen_height = 0;
+};
+
+// Likewise, a rectangle of one colour.
+struct ClearOrder {
+  Colour colour;
   float screen_height = 0;
 };
 
@@ -33,6 +38,8 @@ struct Draw::Frame {
   Pictures* pictures = nullptr;
   std::array<PictureOrder, 64> orders{};  // more pictures than that on one screen are not drawn
   int order_count = 0;
+  std::array<ClearOrder, 32> clears{};  // more are drawn as any other shape
+  int clear_count = 0;
   DrawKinds* kinds = nullptr;
   TextureKind type_kind;         // of the texture that holds the fonts
   std::array<Noted, 8> noted{};  // one for each Outline, and one

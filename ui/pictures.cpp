@@ -14,45 +14,22 @@ namespace {
 // The four corners come from the vertex's number; no vertex buffer is needed.
 constexpr const char* vertex_source = R"(#version 300 es
 uniform vec4 target;  // left, top, right, bottom in clip space
-uniform vec4 source;  // the same in texture space
-out vec2 uv;
+uniform vec2 part;    // of the texture
+out vec2 at;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  uv = mix(source.xy, source.zw, corner);
+  at = part * corner;
   gl_Position = vec4(mix(target.xy, target.zw, corner), 0.0, 1.0);
 }
 )";
 
-// mode: 0 grey, 1 Doppler in colour, 2 Doppler in greys. window: gain, contrast, least level / 63, 1 if
-// covered.
-constexpr const char* fragment_source = R"(#version 300 es
-precision highp float;
-uniform sampler2D picture;
-uniform sampler2D palette;
-uniform vec4 window;
+constexpr const char* fragment_source = R"(
 uniform vec3 no_data;
-uniform vec2 part;  // of the texture
-uniform int mode;
-in vec2 uv;
+in vec2 at;
 out vec4 colour;
-float windowed(float grey) { return clamp((grey - 0.5) * window.y + 0.5 + window.x, 0.0, 1.0); }
 void main() {
-  vec2 texel = texture(picture, part * clamp(uv, 0.0, 1.0)).rg;
-  vec3 light;
-  float key = floor(texel.r * 255.0 + 0.5);
-  if (mode == 0) {
-    light = vec3(windowed(texel.r));
-  } else if (key < 128.0) {
-    light = vec3(windowed(key / 127.0));
-  } else {
-    float level = floor((key - 128.0) / 2.0);
-    if (mode == 2) light = vec3(windowed(level / 63.0));
-    else if (level < window.z) light = vec3(0.0);
-    else light = texelFetch(palette, ivec2(int(key), 0), 0).rgb;
-  }
-  float covered = window.w > 0.5 ? step(0.5, texel.g) : 1.0;
-  bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
-  colour = vec4(inside ? mix(no_data, light, covered) : no_data, 1.0);
+  vec4 seen = light(at);
+  colour = vec4(mix(no_data, seen.rgb, seen.a), 1.0);
 }
 )";
 
@@ -61,17 +38,7 @@ constexpr int largest_side = 4095;
 
 }  // namespace
 
-Pictures::Pictures(DrawKinds& kinds) : kinds_(kinds) {
-  program_ = gl::make_program(vertex_source, fragment_source);
-  at_target_ = glGetUniformLocation(program_, "target");
-  at_source_ = glGetUniformLocation(program_, "source");
-  at_window_ = glGetUniformLocation(program_, "window");
-  at_mode_ = glGetUniformLocation(program_, "mode");
-  at_no_data_ = glGetUniformLocation(program_, "no_data");
-  at_part_ = glGetUniformLocation(program_, "part");
-  glUseProgram(program_);
-  glUniform1i(glGetUniformLocation(program_, "picture"), 0);
-  glUniform1i(glGetUniformLocation(program_, "palette"), 1);
+Pictures::Pictures(DrawKinds& kinds) : kinds_(kinds), programs_(vertex_source, fragment_source) {
   glGenVertexArrays(1, &vertices_);
 
   const doppler::ColourBar bar = doppler::red_blue_bar();
@@ -94,7 +61,6 @@ Pictures::~Pictures() {
   }
   glDeleteTextures(1, &palette_);
   glDeleteVertexArrays(1, &vertices_);
-  glDeleteProgram(program_);
 }
 
 void Pictures::show(Slot slot, const Picture& picture) {
@@ -192,13 +158,12 @@ TextureKind Pictures::texture_kind(Slot slot, bool smooth) const {
                           held.texture_width(), held.texture_height());
 }
 
-void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,
+void Pictures::paint(Slot slot, const Rect& target, const Look& look, float screen_width,
                      float screen_height) {
   const Held& held = at(slot);
   if (held.version == 0) return;
-  const auto w = static_cast<float>(held.width);
-  const auto h = static_cast<float>(held.height);
-  glUseProgram(program_);
+  const unsigned program = programs_.use(held.kind, held.has_coverage, look);
+  const auto place = [program](const char* name) { return glGetUniformLocation(program, name); };
   glBindVertexArray(vertices_);
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D, palette_);
@@ -207,18 +172,12 @@ void Pictures::paint(Slot slot, const Rect& target, const Rect& source, const Lo
   const TextureKind read = texture_kind(slot, look.smooth);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(read.filter));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(read.filter));
-  glUniform4f(at_target_, 2 * target.x / screen_width - 1, 1 - 2 * target.y / screen_height,
+  glUniform4f(place("target"), 2 * target.x / screen_width - 1, 1 - 2 * target.y / screen_height,
               2 * target.right() / screen_width - 1, 1 - 2 * target.bottom() / screen_height);
-  // Pixel centres are at integers, texture edges at 0 and 1.
-  glUniform4f(at_source_, (source.x + 0.5f) / w, (source.y + 0.5f) / h, (source.right() + 0.5f) / w,
-              (source.bottom() + 0.5f) / h);
-  glUniform2f(at_part_, held.part().x, held.part().y);
-  glUniform4f(at_window_, look.gain, look.contrast, static_cast<float>(look.least_level),
-              held.has_coverage ? 1.0f : 0.0f);
-  glUniform1i(at_mode_, held.kind == PixelKind::grey ? 0 : (look.colour ? 1 : 2));
+  glUniform2f(place("part"), held.part().x, held.part().y);
   const std::uint32_t none = colour::no_data.rgba;
-  glUniform3f(at_no_data_, static_cast<float>(none >> 24) / 255, static_cast<float>(none >> 16 & 255) / 255,
-              static_cast<float>(none >> 8 & 255) / 255);
+  glUniform3f(place("no_data"), static_cast<float>(none >> 24) / 255,
+              static_cast<float>(none >> 16 & 255) / 255, static_cast<float>(none >> 8 & 255) / 255);
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   kinds_.note(read);
 }

@@ -8,6 +8,7 @@
 
 #include "core/image/image.h"
 #include "ui/draw_kinds.h"
+#include "ui/picture_programs.h"
 #include "ui/rect.h"
 
 namespace sonoband::ui {
@@ -27,16 +28,6 @@ constexpr int slot_count = static_cast<int>(Slot::thumbnails) + thumbnail_count;
 constexpr Slot thumbnail(int i) {
   return static_cast<Slot>(static_cast<int>(Slot::thumbnails) + i);
 }
-
-// How values become light.
-struct Look {
-  float gain = 0;       // added to the value, in parts of full white: -0.5 to 0.5
-  float contrast = 1;   // about mid grey: 0.5 to 2.5
-  bool colour = true;   // false: Doppler keys are drawn as greys of their level
-  int least_level = 0;  // colours below this level (of 63) are drawn dark: wall motion, noise
-  bool smooth = true;   // bilinear between pixels; never between Doppler keys
-  bool operator==(const Look&) const = default;
-};
 
 class Pictures {
  public:
@@ -64,10 +55,9 @@ class Pictures {
   unsigned palette() const { return palette_; }
   std::uint64_t uploads() const { return uploads_; }  // since the start
 
-  // Fills `target` (pixels of a framebuffer `screen_width` x `screen_height`) with `source` (pixels of the
-  // picture). Leaves program, vertex array and texture units 0 and 1 changed.
-  void paint(Slot slot, const Rect& target, const Rect& source, const Look& look, float screen_width,
-             float screen_height);
+  // Fills `target` (pixels of a framebuffer `screen_width` x `screen_height`) with the picture. Leaves
+  // program, vertex array and texture units 0 and 1 changed.
+  void paint(Slot slot, const Rect& target, const Look& look, float screen_width, float screen_height);
 
  private:
   struct Held {
@@ -95,9 +85,8 @@ class Pictures {
   std::array<Held, slot_count> held_{};
   std::vector<std::uint8_t> staging_;  // what is not sent as it lies
   unsigned palette_ = 0;               // 256 colours of the Doppler keys
-  unsigned program_ = 0;
+  PicturePrograms programs_;
   unsigned vertices_ = 0;
-  int at_target_ = -1, at_source_ = -1, at_window_ = -1, at_mode_ = -1, at_no_data_ = -1, at_part_ = -1;
   std::uint64_t uploads_ = 0;
 };
 

@@ -54,13 +54,10 @@ const void* at_byte(std::size_t offset) {
 
 }  // namespace
 
-Scene::Scene(Pictures& pictures, DrawKinds& kinds) : pictures_(pictures), kinds_(kinds) {
+Scene::Scene(Pictures& pictures, DrawKinds& kinds)
+    : pictures_(pictures), kinds_(kinds), band_programs_(band_vertex, band_fragment) {
   line_program_ = gl::make_program(line_vertex, tint_fragment);
   face_program_ = gl::make_program(face_vertex, tint_fragment);
-  band_program_ = gl::make_program(band_vertex, band_fragment);
-  glUseProgram(band_program_);
-  glUniform1i(glGetUniformLocation(band_program_, "picture"), 0);
-  glUniform1i(glGetUniformLocation(band_program_, "palette"), 1);
   glGenVertexArrays(1, &line_vertices_);
   glGenVertexArrays(1, &face_vertices_);
   glGenVertexArrays(1, &no_vertices_);
@@ -72,7 +69,6 @@ Scene::Scene(Pictures& pictures, DrawKinds& kinds) : pictures_(pictures), kinds_
 Scene::~Scene() {
   glDeleteProgram(line_program_);
   glDeleteProgram(face_program_);
-  glDeleteProgram(band_program_);
   glDeleteVertexArrays(1, &line_vertices_);
   glDeleteVertexArrays(1, &face_vertices_);
   glDeleteVertexArrays(1, &no_vertices_);
@@ -112,6 +108,9 @@ void Scene::make_target(int width, int height) {
   glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, off_power_of_two(width), off_power_of_two(height));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  // What is cut off at one edge must not show at the other.
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
   width_ = width;
@@ -212,18 +211,14 @@ void Scene::draw_band(const SceneInput& input) {
   const Eigen::Vector3f r = (p.right.v * (p.width * p.pixel_mm)).cast<float>();
   const Eigen::Vector3f d = (p.down.v * (p.height * p.pixel_mm)).cast<float>();
   const Vec2 part = pictures_.part(Slot::reslice);
-  const auto place = [this](const char* name) { return glGetUniformLocation(band_program_, name); };
-  glUseProgram(band_program_);
+  const unsigned program =
+      band_programs_.use(pictures_.kind(Slot::reslice), pictures_.has_coverage(Slot::reslice), input.look);
+  const auto place = [program](const char* name) { return glGetUniformLocation(program, name); };
   glUniformMatrix4fv(place("clip_from_world"), 1, GL_FALSE, clip_from_world_.data());
   glUniform3fv(place("origin"), 1, o.data());
   glUniform3fv(place("right"), 1, r.data());
   glUniform3fv(place("down"), 1, d.data());
   glUniform2f(place("part"), part.x, part.y);
-  glUniform4f(place("window"), input.look.gain, input.look.contrast,
-              static_cast<float>(input.look.least_level),
-              pictures_.has_coverage(Slot::reslice) ? 1.0f : 0.0f);
-  const bool grey = pictures_.kind(Slot::reslice) == PixelKind::grey;
-  glUniform1i(place("mode"), grey ? 0 : (input.look.colour ? 1 : 2));
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D, pictures_.palette());
   glActiveTexture(GL_TEXTURE0);

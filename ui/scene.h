@@ -68,7 +68,8 @@ class Scene {
   float asked_line_px_ = 1;
   bool waits_ = false;
   SceneGeometry geometry_;
-  unsigned line_program_ = 0, face_program_ = 0, band_program_ = 0;
+  unsigned line_program_ = 0, face_program_ = 0;
+  PicturePrograms band_programs_;
   unsigned line_vertices_ = 0, face_vertices_ = 0, no_vertices_ = 0;
   unsigned frame_buffer_ = 0, mark_buffer_ = 0, face_buffer_ = 0;  // of vertices
   int frame_lines_ = 0;

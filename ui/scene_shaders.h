@@ -50,31 +50,21 @@ uniform mat4 clip_from_world;
 uniform vec3 origin;
 uniform vec3 right;
 uniform vec3 down;
-out vec2 uv;
+uniform vec2 part;  // of the texture
+out vec2 at;
 void main() {
-  uv = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  vec2 uv = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  at = part * uv;
   gl_Position = clip_from_world * vec4(origin + uv.x * right + uv.y * down, 1.0);
 }
 )";
-inline constexpr const char* band_fragment = R"(#version 300 es
-precision highp float;
-uniform sampler2D picture;
-uniform sampler2D palette;
-uniform vec4 window;  // gain, contrast, least level, 1 if covered
-uniform vec2 part;    // of the texture, as in pictures.cpp
-uniform int mode;     // likewise
-in vec2 uv;
+inline constexpr const char* band_fragment = R"(
+in vec2 at;
 out vec4 colour;
 void main() {
-  vec2 texel = texture(picture, part * uv).rg;
-  if (window.w > 0.5 && texel.g < 0.5) discard;
-  float key = floor(texel.r * 255.0 + 0.5);
-  float grey = mode == 0 ? texel.r : min(key, 127.0) / 127.0;
-  vec3 light = vec3(clamp((grey - 0.5) * window.y + 0.5 + window.x, 0.0, 1.0));
-  if (mode == 1 && key >= 128.0) {
-    light = floor((key - 128.0) / 2.0) < window.z ? vec3(0.0) : texelFetch(palette, ivec2(int(key), 0), 0).rgb;
-  }
-  colour = vec4(light, 0.92);
+  vec4 seen = light(at);
+  if (seen.a < 0.5) discard;
+  colour = vec4(seen.rgb, 0.92);
 }
 )";
 

@@ -126,6 +126,7 @@ void Screen::Parts::begin(Vec2 size) {
   ImGui::NewFrame();
   frame.list = ImGui::GetBackgroundDrawList();
   frame.order_count = 0;
+  frame.clear_count = 0;
   frame.noted_count = 0;
   frame.screen_width = size.x;
   frame.screen_height = size.y;

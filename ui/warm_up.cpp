@@ -6,8 +6,9 @@
 namespace sonoband::ui {
 namespace {
 
-constexpr int side = 6;    // of the pictures, pixels
-constexpr int place = 32;  // where they are drawn, pixels of the screen
+constexpr int side = 6;     // of the pictures, pixels
+constexpr int place = 32;   // where they are drawn, pixels of the screen
+constexpr int large = 200;  // a shape that is cleared
 constexpr std::array<std::uint8_t, side * side> values{};
 constexpr std::array<std::uint16_t, side * side> coverage{};
 // No picture and no sweep comes to be the 2^63rd.
@@ -30,8 +31,10 @@ void WarmUp::draw(int i, Draw& draw) {
   const std::uint64_t version = first_version + static_cast<std::uint64_t>(i);
   Picture band;
   band.pixels = {values.data(), side, side, side};
-  if (i / 2 == 0) band.coverage = {coverage.data(), side, side, side};
-  band.kind = i % 2 == 0 ? PixelKind::grey : PixelKind::doppler;
+  if (i % 2 == 0) band.coverage = {coverage.data(), side, side, side};
+  band.kind = i < 4 ? PixelKind::grey : PixelKind::doppler;
+  Look look;
+  look.smooth = i < 2;
   band.version = version;
   pictures_.show(Slot::reslice, band);
 
@@ -45,8 +48,9 @@ void WarmUp::draw(int i, Draw& draw) {
   input.band_version = version;
 
   const Rect r{0, 0, place, place};
+  draw.fill({0, 0, large, large}, colour::ground);
   draw.text({0, 0}, Type::body, colour::ink, "0");
-  draw.picture(Slot::reslice, r, {});
+  draw.picture(Slot::reslice, r, look);
   draw.scene(scene_.render(input, place - 1, place - 1, 1), r);
 }
 

@@ -14,7 +14,7 @@ namespace sonoband::ui {
 
 class WarmUp {
  public:
-  static constexpr int frames = 4;  // grey and Doppler, covered and not
+  static constexpr int frames = 6;  // grey smooth or not and Doppler, each covered or not
 
   WarmUp(Pictures& pictures, Scene& scene);
   ~WarmUp();  // the pictures it used are gone

@@ -114,9 +114,7 @@ TEST(Pictures, OfAnySizeAreDrawnToTheirEdges) {
     for (const bool covered : {false, true}) {
       pictures.show(ui::Slot::bscan, p.picture(PixelKind::grey, covered, ++version));
       pictures.send();
-      pictures.paint(ui::Slot::bscan, {0, 0, screen, screen},
-                     {-0.5f, -0.5f, static_cast<float>(width), static_cast<float>(height)}, {}, screen,
-                     screen);
+      pictures.paint(ui::Slot::bscan, {0, 0, screen, screen}, {}, screen, screen);
       const ui::Rgba got = ui::gl::read_pixels(screen, screen);
       double worst = 0;
       for (int y = 0; y < screen; ++y) {
