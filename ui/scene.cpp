@@ -15,7 +15,6 @@ namespace sonoband::ui {
 namespace {
 
 constexpr int samples_wanted = 4;
-constexpr int lines_of_one = 3;     // B-scan
 constexpr int largest_side = 4095;  // as of pictures
 
 void mix(std::uint64_t& hash, const double* values, int count) {
@@ -121,14 +120,17 @@ OutlineView Scene::view(const SceneInput& input, const Rect& window) {
   if (sweep_version_ != input.frames_version) {
     sweep_ = frame_of(input.frames);
     sweep_version_ = input.frames_version;
-    send_frames(input);
   }
   if (input.frames.empty() && input.probe) sweep_ = frame_of(*input.probe);
   return {sweep_, input.orbit, window};
 }
 
-void Scene::send_frames(const SceneInput& input) {
-  geometry_.make_outlines(input, sweep_);
+void Scene::send_frames(const SceneInput& input, const OutlineView& eye) {
+  const Sent wanted{input.frames_version, width_, height_, input.orbit};
+  if (wanted == sent_) return;
+  sent_ = wanted;
+  outlines_apart(input.frames, eye, least_apart_px, shown_);
+  geometry_.make_outlines(input, shown_, sweep_);
   const auto lines = geometry_.lines();
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, frame_buffer_);
@@ -264,7 +266,9 @@ void Scene::draw() {
   waits_ = false;
   ++renders_;
   const SceneInput input = std::exchange(asked_, {});
-  look_from(view(input, {0, 0, static_cast<float>(width_), static_cast<float>(height_)}));
+  const OutlineView eye = view(input, {0, 0, static_cast<float>(width_), static_cast<float>(height_)});
+  send_frames(input, eye);
+  look_from(eye);
   GLint bound = 0;
   glGetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
   glBindFramebuffer(GL_FRAMEBUFFER, target_);
@@ -285,7 +289,7 @@ void Scene::draw() {
   if (input.band_on_plane && pictures_.has(Slot::reslice)) draw_band(input);
   // Many outlines lie on one another; each is fainter then, so that what is among them still shows.
   const float fade = std::clamp(7.0f / std::sqrt(static_cast<float>(std::max(1, frame_lines_))), 0.1f, 1.0f);
-  glDepthMask(frame_lines_ < lines_of_one * crowd ? GL_TRUE : GL_FALSE);
+  glDepthMask(static_cast<int>(input.frames.size()) < crowd ? GL_TRUE : GL_FALSE);
   draw_lines(frame_buffer_, frame_lines_, fade);
   glDepthMask(GL_TRUE);
   draw_marks(input);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "ui/draw_kinds.h"
 #include "ui/interact/outline_view.h"
@@ -24,6 +25,8 @@ class Scene {
  public:
   // So many B-scans lie on one another, and hide nothing behind them.
   static constexpr int crowd = 200;
+  // Outlines closer than this are not all drawn: 2000 would take the software rasteriser a tenth of a second.
+  static constexpr float least_apart_px = 2;
 
   Scene(Pictures& pictures, DrawKinds& kinds);  // needs a current context
   ~Scene();
@@ -52,7 +55,7 @@ class Scene {
 
   void make_target(int width, int height);
   SceneTexture texture() const;
-  void send_frames(const SceneInput& input);
+  void send_frames(const SceneInput& input, const OutlineView& eye);
   void look_from(const OutlineView& eye);
   void draw_band(const SceneInput& input);
   void draw_lines(unsigned buffer, int count, float fade);
@@ -62,6 +65,14 @@ class Scene {
   DrawKinds& kinds_;
   SweepFrame sweep_;
   std::uint64_t sweep_version_ = 0;
+  struct Sent {
+    std::uint64_t frames_version = 0;
+    int width = 0, height = 0;
+    Orbit orbit;
+    bool operator==(const Sent&) const = default;
+  };
+  Sent sent_;               // what the outlines in frame_buffer_ were chosen for
+  std::vector<int> shown_;  // the B-scans they are of
   Key drawn_;
   bool drawn_once_ = false;
   SceneInput asked_;  // until it is drawn

@@ -49,11 +49,12 @@ void SceneGeometry::add_quad(const std::array<Eigen::Vector3d, 4>& quad, Colour 
   }
 }
 
-void SceneGeometry::make_outlines(const SceneInput& input, const SweepFrame& sweep) {
+void SceneGeometry::make_outlines(const SceneInput& input, std::span<const int> shown,
+                                  const SweepFrame& sweep) {
   sweep_ = sweep;
   lines_.clear();
   corners_.clear();
-  for (const TrackedFrame* f : input.frames) add_arch(corners_of(*f), colour::ink.with_alpha(0.5f), 1);
+  for (const int i : shown) add_arch(corners_of(*input.frames[i]), colour::ink.with_alpha(0.5f), 1);
 }
 
 void SceneGeometry::make_marks(const SceneInput& input, const SweepFrame& sweep, float line_px) {

@@ -49,8 +49,9 @@ struct SceneCorner {
 // Keeps its memory from one picture to the next.
 class SceneGeometry {
  public:
-  // Every B-scan as an arch, its deep side open. Replaces what was there, as the other does.
-  void make_outlines(const SceneInput& input, const SweepFrame& sweep);
+  // B-scans, by their indices in input.frames, as arches, the deep side open. Replaces what was there, as the
+  // other does.
+  void make_outlines(const SceneInput& input, std::span<const int> shown, const SweepFrame& sweep);
   // The current B-scan, the probe, the plane with the limits of its band, the curve's surface; `line_px` is
   // the width of a thin line.
   void make_marks(const SceneInput& input, const SweepFrame& sweep, float line_px);

@@ -152,6 +152,38 @@ TEST(Outline, PicksTheArchUnderTheFinger) {
   EXPECT_FALSE(ui::pick_outline(view.frames, eye, {102, 52}, 20));
 }
 
+// 400 B-scans that take some 250 pixels of the window.
+TEST(Outline, OutlinesThatLieDenserThanTheWindowShowsAreLeftOut) {
+  TestSweep sweep = sweep_of(400);
+  const SweepView view = sweep.view();
+  const ui::OutlineView eye(ui::frame_of(view.frames), ui::Orbit{0.3, 0.5, 1, {0, 0}}, {0, 0, 300, 300});
+  const auto moved = [&](int a, int b) {
+    const auto from = ui::corners_of(*view.frames[a]), to = ui::corners_of(*view.frames[b]);
+    float most = 0;
+    for (std::size_t k = 0; k < 4; ++k) most = std::max(most, length(eye.at(from[k]) - eye.at(to[k])));
+    return most;
+  };
+  std::vector<int> shown = {7, 7, 7};
+  ui::outlines_apart(view.frames, eye, 2, shown);
+  ASSERT_GE(shown.size(), 3u);
+  EXPECT_LT(shown.size(), 200u);
+  EXPECT_EQ(shown.front(), 0);
+  EXPECT_EQ(shown.back(), 399);
+  for (std::size_t i = 1; i < shown.size(); ++i) {
+    if (i + 1 < shown.size()) {
+      EXPECT_GE(moved(shown[i - 1], shown[i]), 2);
+    }
+    for (int left_out = shown[i - 1] + 1; left_out < shown[i]; ++left_out)
+      EXPECT_LT(moved(shown[i - 1], left_out), 2);
+  }
+  ui::outlines_apart(view.frames, eye, 0, shown);
+  EXPECT_EQ(shown.size(), 400u);
+  ui::outlines_apart(view.frames.first(1), eye, 2, shown);
+  EXPECT_EQ(shown, std::vector<int>{0});
+  ui::outlines_apart({}, eye, 2, shown);
+  EXPECT_TRUE(shown.empty());
+}
+
 TEST(Outline, EyeIsRightHandedAndKeepsLengths) {
   TestSweep sweep = sweep_of(10);
   for (const double turn : {-1.0, 0.0, 2.0}) {

@@ -191,8 +191,8 @@ ui::View set_up_view() {
   return view;
 }
 
-Bench::Bench(int width, int height, float scale) : surface(width, height) {
-  if (std::getenv("SONOBAND_SHOTS") == nullptr) surface.without_pixels();
+Bench::Bench(int width, int height, float scale, bool pixels) : surface(width, height) {
+  if (!pixels && std::getenv("SONOBAND_SHOTS") == nullptr) surface.without_pixels();
   surface.begin_frame();
   screen = std::make_unique<ui::Screen>(ui::ScreenSettings{0, scale}, load_fonts(), ui::Texts{});
 }

@@ -32,7 +32,8 @@ ui::View set_up_view();
 // A screen in memory whose time moves 1/60 s a frame.
 class Bench {
  public:
-  explicit Bench(int width = 1280, int height = 800, float scale = 1);
+  // Without `pixels` nothing is rasterised, unless SONOBAND_SHOTS is set: for tests that look at no picture.
+  explicit Bench(int width = 1280, int height = 800, float scale = 1, bool pixels = false);
 
   const ui::Commands& frame(const ui::View& view);
   // Commands of a finger that does this on the widget called `name` (fails the test when there is none), over
@@ -44,7 +45,7 @@ class Bench {
                                  float turn_rad = 0);
   ui::Rect find(const std::string& name);  // in the last frame
 
-  // With `SONOBAND_SHOTS` set, writes the last frame there as NAME.ppm; without, frames have no pixels.
+  // With `SONOBAND_SHOTS` set, writes the last frame there as NAME.ppm.
   void shot(const std::string& name);
 
   ui::HeadlessSurface surface;

@@ -10,6 +10,7 @@
 #include "tests/ui/showcase.h"
 #include "ui/gl.h"
 #include "ui/pictures.h"
+#include "ui/theme.h"
 
 namespace sonoband::test {
 namespace {
@@ -71,14 +72,43 @@ TEST(WarmUp, WithoutItFramesBringThem) {
 }
 
 TEST(WarmUp, LeavesNothingToBeSeen) {
-  Bench plain;
-  Bench warm;
+  Bench plain(1280, 800, 1, true);
+  Bench warm(1280, 800, 1, true);
   warm_up(warm);
+  const ui::Rgba first = plain.surface.read();
   for (const auto& make : {set_up_view, live_view, review_view}) {
     plain.frame(make());
     warm.frame(make());
-    EXPECT_EQ(warm.surface.read().bytes, plain.surface.read().bytes);
+    const ui::Rgba seen = plain.surface.read();
+    EXPECT_NE(seen.bytes, first.bytes);
+    EXPECT_TRUE(warm.surface.read().bytes == seen.bytes);
   }
+}
+
+// The Outline slid down, so that its lower edge cuts the sweep: nothing of it may show at the upper edge.
+TEST(Pictures, OfTheOutlineEndAtItsEdges) {
+  Bench bench(1280, 800, 1, true);
+  ui::View view = review_view();
+  view.review.orbit.slide = {0, 0.6};
+  bench.frame(view);
+  const ui::Rect place = bench.find("outline/picture");
+  const ui::Rgba seen = bench.surface.read();
+  const std::uint32_t panel = ui::colour::panel.rgba;
+  const auto at = [&](int x, int y, int channel) {
+    return static_cast<int>(seen.bytes[static_cast<std::size_t>(y * seen.width + x) * 4 + channel]);
+  };
+  // The outer rows whose centres are within it.
+  const int upper = static_cast<int>(std::ceil(place.y - 0.5f));
+  const int lower = static_cast<int>(std::ceil(place.bottom() - 0.5f)) - 1;
+  bool cut = false;
+  for (int x = static_cast<int>(place.centre().x) - 150; x < place.centre().x + 150; ++x) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const int ground = static_cast<int>(panel >> (24 - 8 * channel) & 255);
+      ASSERT_EQ(at(x, upper, channel), ground) << x;
+      cut = cut || at(x, lower, channel) != ground;
+    }
+  }
+  EXPECT_TRUE(cut);
 }
 
 // Between pixel centres by their distance, beyond the outer ones as they are.

@@ -122,6 +122,24 @@ Vec2 OutlineView::at(const Eigen::Vector3d& p_world) const {
   return {static_cast<float>(s.x()), static_cast<float>(s.y())};
 }
 
+void outlines_apart(std::span<const TrackedFrame* const> frames, const OutlineView& view, float least_px,
+                    std::vector<int>& shown) {
+  shown.clear();
+  std::array<Vec2, 4> last{};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto corners = corners_of(*frames[i]);
+    std::array<Vec2, 4> here{};
+    float moved = 0;
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      here[k] = view.at(corners[k]);
+      moved = std::max(moved, length(here[k] - last[k]));
+    }
+    if (i != 0 && i + 1 != frames.size() && moved < least_px) continue;
+    shown.push_back(static_cast<int>(i));
+    last = here;
+  }
+}
+
 std::optional<int> pick_outline(std::span<const TrackedFrame* const> frames, const OutlineView& view, Vec2 at,
                                 float within_px) {
   constexpr float as_near_px = 2;

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/sweep/tracked_frame.h"
 #include "ui/interact/orbit.h"
@@ -45,6 +46,12 @@ class OutlineView {
   Vec2 middle_;
   double px_per_mm_ = 1;
 };
+
+// Which B-scans' outlines to draw where they lie denser than the window shows: the first, the last, and
+// between them every one of which some corner is seen at least `least_px` from that of the last one before.
+// Replaces what is in `shown`: indices into `frames`.
+void outlines_apart(std::span<const TrackedFrame* const> frames, const OutlineView& view, float least_px,
+                    std::vector<int>& shown);
 
 // The B-scan whose arch is nearest to `at`, at most `within_px` away; of several within 2 px of the nearest
 // the one nearest to the eye. Empty when there is none.

@@ -99,6 +99,14 @@ void draw_point(Ui& ui, Vec2 at, Colour c, std::string_view label) {
   if (!label.empty()) shadowed(ui, {at.x + ui.px(10), at.y - ui.px(16)}, Type::small, c, label);
 }
 
+void draw_tag(Ui& ui, Vec2 point, Colour c, std::string_view words) {
+  const float height = ui.draw.height_of(Type::small) + ui.px(6);
+  const Rect r{point.x + ui.px(12), point.y - height / 2, ui.draw.width_of(Type::small, words) + ui.px(14),
+               height};
+  ui.draw.fill(r, colour::ground.with_alpha(0.85f), height / 2);
+  ui.draw.text_in(r, Align::centre, Type::small, c, words);
+}
+
 void orbit_by_gestures(Ui& ui, std::string_view name, const Rect& r, const Orbit& orbit) {
   const std::uint64_t id = ui.widgets.add(name, r);
   const double side = std::max(1.0f, std::min(r.width, r.height));

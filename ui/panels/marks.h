@@ -19,8 +19,10 @@ void draw_orientation_mark(Ui& ui, const Rect& picture);
 // they lie in the picture and shorter as they leave it.
 void draw_orientation_arms(Ui& ui, const Rect& picture, Vec2 marked, Vec2 deep);
 void draw_badge(Ui& ui, Vec2 centre, Colour c, std::string_view words);
-// A point the user set, with its number or value beside it.
+// A point the user set, with its number beside it.
 void draw_point(Ui& ui, Vec2 at, Colour c, std::string_view label);
+// A value at the right of a point, legible on whatever is there.
+void draw_tag(Ui& ui, Vec2 point, Colour c, std::string_view words);
 
 // Drag turns, two fingers slide and zoom, a double tap goes back.
 void orbit_by_gestures(Ui& ui, std::string_view name, const Rect& r, const Orbit& orbit);

@@ -73,11 +73,14 @@ void draw_marks(Ui& ui, const ReviewView& review, auto&& place, auto&& off) {
       last = at;
     }
     if (closed) ui.draw.line(last, place(m.points_world.front()), colour::measure, ui.px(2));
-    const bool has_value = m.finished || m.points_world.size() > 1;
-    for (std::size_t i = 0; i < m.points_world.size(); ++i) {
-      const bool labelled = i + 1 == m.points_world.size() && has_value;
-      draw_point(ui, place(m.points_world[i]), colour::measure, labelled ? value_of(m, ui.texts) : Line());
+    Vec2 rightmost = last;
+    for (const Eigen::Vector3d& point : m.points_world) {
+      const Vec2 at = place(point);
+      if (at.x > rightmost.x) rightmost = at;
+      draw_point(ui, at, colour::measure, {});
     }
+    if (m.finished || m.points_world.size() > 1)
+      draw_tag(ui, rightmost, colour::measure, value_of(m, ui.texts));
   }
 }
 
