@@ -20,6 +20,7 @@ struct HeldSweep {
 
 struct RenderRequest {
   HeldSweep sweep;
+  std::uint64_t sweep_id = 0;       // comes back with the result
   std::uint64_t sweep_version = 0;  // changes with the frames
   ReslicePlane plane;
   RenderSettings settings;
@@ -83,6 +84,7 @@ struct ManifoldPicture {
 struct RenderResult {
   std::shared_ptr<const PlanarPicture> planar;
   std::shared_ptr<const ManifoldPicture> manifold;  // null: none was asked for, or the curve makes none
+  std::uint64_t sweep_id = 0;
   std::uint64_t sweep_version = 0;
   std::uint64_t version = 0;
   double waited_ms = 0;  // by the clock, from the request to the begin of its work

@@ -130,6 +130,7 @@ void RequestPainter::show_coarse(const Job& job, BandImage band, double ms, doub
   planar->ms = ms;
   planar->thread_ms = planar->first_ms = thread_ms;
   result.planar = std::move(planar);
+  result.sweep_id = job.request.sweep_id;
   result.sweep_version = job.request.sweep_version;
   if (has_surface(job.request))
     result.manifold = of_shown_sweep(job.request) ? seen_ : unroll(job, coarse_factor);
@@ -144,6 +145,7 @@ void RequestPainter::show_planar(const Job& job, const std::shared_ptr<const Pla
   RenderResult result;
   result.planar = planar;
   result.manifold = seen_;
+  result.sweep_id = request.sweep_id;
   result.sweep_version = request.sweep_version;
   show(job, std::move(result));
 }
@@ -226,6 +228,7 @@ std::shared_ptr<const ManifoldPicture> RequestPainter::manifold(
     RenderResult coarse;
     coarse.planar = planar;
     coarse.manifold = unroll(job, coarse_factor);
+    coarse.sweep_id = request.sweep_id;
     coarse.sweep_version = request.sweep_version;
     if (!show(job, std::move(coarse))) return nullptr;
   }
@@ -238,6 +241,7 @@ RenderResult RequestPainter::answer(const RenderRequest& request, PreparedSweep&
   layers_.follow(request.sweep_version, request.settings.gap);
   const Job job{request, sweep, show};
   RenderResult result;
+  result.sweep_id = request.sweep_id;
   result.sweep_version = request.sweep_version;
   result.planar = planar(job);
   if (!hands_.overtaken) show_planar(job, result.planar);

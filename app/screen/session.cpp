@@ -163,11 +163,13 @@ void Session::ask(bool moving) {
   RenderRequest request;
   if (const RunSweep* s = shown()) {
     request.sweep = s->held;
+    request.sweep_id = s->id;
     if (curve_.line().size() > 1) request.curve_mm = curve_.line();
     request.curve_plane = curve_plane_;
     request.reach_mm = reach_mm_;
   } else if (growing_held_) {
     request.sweep = *growing_held_;
+    request.sweep_id = growing_;
   } else {
     return;
   }

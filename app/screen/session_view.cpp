@@ -8,6 +8,8 @@ namespace sonoband {
 void Session::fill(ui::View& view) {
   changed_ = false;
   result_ = worker_.newest();
+  // Of the sweep that was shown before there is nothing to see any more.
+  if (result_ && result_->sweep_id != (growing_ != 0 ? growing_ : shown_)) result_.reset();
   view.page = page_;
   view.sheet = sheet_;
   view.sheet_source = sheet_source_;

@@ -98,6 +98,30 @@ TEST(Session, ASweepIsShownOnLiveWhileItGrowsAndInReviewAtItsMiddleWhenItIsDone)
   EXPECT_TRUE(view.exams.exams[0].open);
 }
 
+TEST(Session, TheBandOfTheSweepBeforeIsNotShownWithTheNext) {
+  Desk desk;
+  const auto painted = [&] {
+    desk.pass(milliseconds(10));
+    desk.worker.wait();
+  };
+  desk.record(1);
+  painted();
+  EXPECT_NE(desk.shown().review.band.version, 0u);
+  desk.record(2);
+  EXPECT_EQ(desk.shown().review.band.version, 0u);
+  painted();
+  EXPECT_NE(desk.shown().review.band.version, 0u);
+  desk.session.begin_sweep(3);
+  desk.session.grow_sweep(run_sweep(3), false);
+  EXPECT_EQ(desk.shown().live.growing.version, 0u);
+  painted();
+  const std::uint64_t grown = desk.shown().live.growing.version;
+  EXPECT_NE(grown, 0u);
+  // Its own last band stays when it is done.
+  desk.session.grow_sweep(run_sweep(3), true);
+  EXPECT_EQ(desk.shown().review.band.version, grown);
+}
+
 TEST(Session, ASweepWithoutAPlaceInSpaceIsKeptAndSaysSo) {
   Desk desk;
   RunSweep empty;
