@@ -57,6 +57,11 @@ Scene::Scene(Pictures& pictures, DrawKinds& kinds)
     : pictures_(pictures), kinds_(kinds), band_programs_(band_vertex, band_fragment) {
   line_program_ = gl::make_program(line_vertex, tint_fragment);
   face_program_ = gl::make_program(face_vertex, tint_fragment);
+  glGenTextures(1, &texture_);
+  glGenFramebuffers(1, &target_);
+  glGenFramebuffers(1, &resolved_);
+  glGenRenderbuffers(1, &colour_samples_);
+  glGenRenderbuffers(1, &depth_samples_);
   glGenVertexArrays(1, &line_vertices_);
   glGenVertexArrays(1, &face_vertices_);
   glGenVertexArrays(1, &no_vertices_);
@@ -81,30 +86,22 @@ Scene::~Scene() {
   glDeleteTextures(1, &texture_);
 }
 
-void Scene::make_target(int width, int height) {
-  if (texture_ != 0 && width == width_ && height == height_) return;
-  if (texture_ == 0) {
-    glGenFramebuffers(1, &target_);
-    glGenFramebuffers(1, &resolved_);
-    glGenRenderbuffers(1, &colour_samples_);
-    glGenRenderbuffers(1, &depth_samples_);
-  } else {
-    glDeleteTextures(1, &texture_);
-  }
+void Scene::make_target() {
+  if (made_width_ == width_ && made_height_ == height_) return;
   GLint most = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most);
   const GLint samples = std::min(most, samples_wanted);
   glBindRenderbuffer(GL_RENDERBUFFER, colour_samples_);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, width, height);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, width_, height_);
   glBindRenderbuffer(GL_RENDERBUFFER, depth_samples_);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, width, height);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, width_, height_);
   glBindFramebuffer(GL_FRAMEBUFFER, target_);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_samples_);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_samples_);
-  glGenTextures(1, &texture_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture_);
-  glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, off_power_of_two(width), off_power_of_two(height));
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, off_power_of_two(width_), off_power_of_two(height_), 0, GL_RGBA,
+               GL_UNSIGNED_BYTE, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   // What is cut off at one edge must not show at the other.
@@ -112,8 +109,8 @@ void Scene::make_target(int width, int height) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
-  width_ = width;
-  height_ = height;
+  made_width_ = width_;
+  made_height_ = height_;
 }
 
 OutlineView Scene::view(const SceneInput& input, const Rect& window) {
@@ -181,10 +178,8 @@ SceneTexture Scene::render(const SceneInput& input, int width, int height, float
   asked_ = input;
   asked_line_px_ = line_px;
   waits_ = true;
-  GLint bound = 0;
-  glGetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
-  make_target(width, height);
-  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+  width_ = width;
+  height_ = height;
   return texture();
 }
 
@@ -271,6 +266,7 @@ void Scene::draw() {
   look_from(eye);
   GLint bound = 0;
   glGetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
+  make_target();
   glBindFramebuffer(GL_FRAMEBUFFER, target_);
   glViewport(0, 0, width_, height_);
   glDisable(GL_SCISSOR_TEST);

@@ -53,7 +53,7 @@ class Scene {
     bool operator==(const Key&) const = default;
   };
 
-  void make_target(int width, int height);
+  void make_target();
   SceneTexture texture() const;
   void send_frames(const SceneInput& input, const OutlineView& eye);
   void look_from(const OutlineView& eye);
@@ -85,7 +85,8 @@ class Scene {
   unsigned frame_buffer_ = 0, mark_buffer_ = 0, face_buffer_ = 0;  // of vertices
   int frame_lines_ = 0;
   unsigned target_ = 0, colour_samples_ = 0, depth_samples_ = 0, resolved_ = 0, texture_ = 0;
-  int width_ = 0, height_ = 0;
+  int width_ = 0, height_ = 0;            // asked for last
+  int made_width_ = 0, made_height_ = 0;  // there is room for
   std::array<float, 16> clip_from_world_{};
   std::uint64_t renders_ = 0;
 };
