@@ -303,6 +303,7 @@ TEST(Monkey, NeitherCrashesNorLosesASweepNorGrows) {
   settings.screen.width = 800;
   settings.screen.height = 600;
   const std::filesystem::path folder = scratch_folder();
+  settings.coarser = 4;
   settings.screen.shots = folder / "shots";
   settings.screen.exports.folder = folder / "exports";
   // No stick of the machine that runs the test.

@@ -6,6 +6,7 @@
 
 #include "app/cart_on_board.h"
 #include "app/exchange/png.h"
+#include "hal/sim/probe_path.h"
 #include "hal/sim/scene.h"
 #include "hal/tracker/polhemus_tracker.h"
 
@@ -17,11 +18,22 @@ struct Parts {
   std::unique_ptr<sim::LibertySim> liberty;
 };
 
+void make_coarser(sim::SimulatedScene& scene, int factor) {
+  sim::ScannerSettings& scanner = scene.scanner;
+  scanner.width_px /= factor;
+  scanner.height_px /= factor;
+  scanner.pixel_mm *= factor;
+  scanner.face_row_px /= factor;
+  scanner.beams /= factor;
+  scene.probe_from_image = sim::typical_calibration(sim::face_from_image(scanner));
+}
+
 // As board/sim_board.cpp does, with faults.
 BoardDevices faulty_board(const ScreenCartSettings& settings, Clock& clock) {
   auto parts = std::make_shared<Parts>();
   parts->scene = sim::make_scene({});
   if (!settings.pixels) parts->scene.scanner.beams = 48;  // a quarter of the echoes, where nobody looks
+  if (settings.coarser > 1) make_coarser(parts->scene, settings.coarser);
   const sim::SimulatedScene& scene = parts->scene;
   sim::LibertySimConfig liberty;
   liberty.unit.seed = scene.seed;

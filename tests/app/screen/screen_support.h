@@ -31,6 +31,8 @@ struct ScreenCartSettings {
   std::filesystem::path exams;  // empty: nothing is saved
   // For tests that look at the picture; all have it where SONOBAND_SHOTS is set.
   bool pixels = false;
+  // The scanner's pictures are so much coarser, for tests that want many of them.
+  int coarser = 1;
 };
 
 // The clock starts at 1000 s. One at a time; the thread that makes it plays.
