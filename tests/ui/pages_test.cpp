@@ -102,6 +102,29 @@ TEST(Pages, EveryTargetIsNineMillimetresWideAndHigh) {
   }
 }
 
+// The last picture before the signal went stays to be seen, but not as a live one.
+TEST(Pages, APictureWithoutASignalIsNotShownAsLive) {
+  Bench bench(1280, 800, 1, true);
+  const auto brightness = [&](ui::Health scanner) {
+    ui::View view = live_view();
+    view.live.first_time = false;
+    view.status.scanner.health = scanner;
+    bench.frame(view);
+    const ui::Rect place = bench.find("live/picture").inset(80);
+    const ui::Rgba seen = bench.surface.read();
+    double sum = 0;
+    for (auto y = static_cast<int>(place.y); y < static_cast<int>(place.bottom()); ++y)
+      for (auto x = static_cast<int>(place.x); x < static_cast<int>(place.right()); ++x)
+        sum += seen.bytes[static_cast<std::size_t>(y * seen.width + x) * 4];
+    return sum;
+  };
+  const double live = brightness(ui::Health::good);
+  EXPECT_GT(live, 0);
+  EXPECT_NEAR(brightness(ui::Health::degraded), live, 0.01 * live);
+  for (const ui::Health gone : {ui::Health::absent, ui::Health::silent, ui::Health::fault})
+    EXPECT_LT(brightness(gone), 0.5 * live);
+}
+
 TEST(Pages, NoHeapOnceWarm) {
   Bench bench;
   for (const Page& page : pages) {

@@ -20,10 +20,13 @@ std::string_view name_of(Compounding c, const Texts& t) {
   return t.mean;
 }
 
+bool has_pictures(const StatusView& s) {
+  return s.scanner.health == Health::good || s.scanner.health == Health::degraded;
+}
+
 bool can_record(const StatusView& s) {
-  const bool pictures = s.scanner.health == Health::good || s.scanner.health == Health::degraded;
   const bool poses = s.tracker.health == Health::good || s.tracker.health == Health::degraded;
-  return pictures && poses && s.storage.minutes_left >= 1 && s.storage.health != Health::fault;
+  return has_pictures(s) && poses && s.storage.minutes_left >= 1 && s.storage.health != Health::fault;
 }
 
 // Under the picture: what the pedal is doing, and the button that stands in for it.
@@ -94,8 +97,13 @@ void draw_picture(Ui& ui, const Rect& r, const View& view) {
                      static_cast<float>(place.height / (mm_per_px * ui.draw.picture_height(Slot::live))));
   }
   draw_orientation_mark(ui, place);
-  if (view.status.scanner.frozen) {
-    draw_badge(ui, {place.centre().x, place.y + ui.px(28)}, colour::warning, t.frozen);
+  const Vec2 badge{place.centre().x, place.y + ui.px(28)};
+  if (!has_pictures(view.status)) {
+    // The last picture there was must not pass for a live one.
+    ui.draw.fill(place, colour::picture.with_alpha(0.65f));
+    draw_badge(ui, badge, colour::alarm, t.no_scanner);
+  } else if (view.status.scanner.frozen) {
+    draw_badge(ui, badge, colour::warning, t.frozen);
   }
   if (live.first_time && !live.recording && can_record(view.status)) {
     const bool hold = view.status.pedal.mode == PedalMode::hold;
