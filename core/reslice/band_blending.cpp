@@ -97,7 +97,8 @@ void BandPainter::blend_lane(const BlendSide& a, const BlendSide* b, int l, int 
   }
 }
 
-// Blends candidate a's lanes with b's on the other side; b < 0: those of a with nothing there.
+// Blends the lanes of candidates a and b of which either is nearest and the other on the other side; b < 0:
+// those of a with nothing there.
 void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
                                const std::vector<const PatchFrame*>& frames, std::size_t a, int b,
                                const LayerRange& range) {
@@ -114,7 +115,8 @@ void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
     LaneMask m = of_a.wins[l];
     if (b >= 0) {
       const Winners::Share& of_b = winners_.share(b);
-      m &= of_b.side_wins[l] & (of_a.positive[l] ^ of_b.positive[l]);
+      m = ((m & of_b.side_wins[l]) | (of_b.wins[l] & of_a.side_wins[l])) &
+          (of_a.positive[l] ^ of_b.positive[l]);
     } else {
       for (std::size_t c = 0; c < candidates.size(); ++c) {
         const Winners::Share& other = winners_.share(c);

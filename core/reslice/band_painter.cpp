@@ -87,8 +87,8 @@ void BandPainter::paint_shares(const std::vector<Candidate>& candidates,
     const int first = std::max(s.first, range.low), last = std::min(s.last, range.high);
     if (first >= last) continue;
     if (linear_) {
-      for (int other = -1; other < static_cast<int>(candidates.size()); ++other)
-        if (other != static_cast<int>(c)) blend_shares(candidates, frames, c, other, range);
+      for (int other = -1; other < static_cast<int>(c); ++other)
+        blend_shares(candidates, frames, c, other, range);
     } else {
       patch_kernels().take(*frames[c], s.x.data() + first, s.y.data() + first, s.wins.data() + first,
                            last - first, rule_, totals_.piece());
@@ -181,10 +181,36 @@ void BandPainter::paint_patches(const LatticeBlock& region, Paint paint) {
   }
 }
 
+// Calls paint(da, db, lanes) for every patch of the whole tile, from its corner; those that the shear puts
+// across the tile's edges are cut there.
+template <class Paint>
+void BandPainter::paint_sheared(Paint paint) {
+  const LaneShape shape = tile_.shape;
+  const LatticeBlock& block = tile_.block;
+  const LaneGrid& grid = tile_.grid;
+  const auto first = [](int greatest, int side) { return -(greatest / side * side); };
+  for (int db = first(grid.greatest_b, shape.down()); db + grid.least_b < block.height; db += shape.down()) {
+    if (stopped()) return;
+    for (int da = first(grid.greatest_a, shape.across); da + grid.least_a < block.width; da += shape.across) {
+      const LaneMask lanes = existing_lanes(grid, da, db, block.width, block.height);
+      if (lanes == 0) continue;
+      totals_.clear();
+      paint(da, db, lanes);
+      totals_.store(*image_, block.a + da, block.b + db, grid, lanes);
+    }
+  }
+}
+
 void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
                               const std::vector<Candidate>& candidates, const Chain& chain) {
   lay_out(lattice, tile_, chain, candidates, box, 0, interpolation(), cells_);
   int start = 0;
+  if (tile_.shape.sheared()) {
+    paint_sheared([&](int da, int db, LaneMask lanes) {
+      start = paint_layers(cells_, {da, db, region.depth, lanes, start}, 0);
+    });
+    return;
+  }
   paint_patches(region, [&](int a, int b, int width, int height) {
     const LaneMask lanes = existing_lanes(tile_.shape, width, height);
     start = paint_layers(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth, lanes, start}, 0);
@@ -271,7 +297,8 @@ bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& rea
     if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), a, b)) return false;
     left_out_.add(all, tile.candidates.size());
   }
-  tile.open(lattice, interpolation());
+  // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces.
+  tile.open(lattice, interpolation(), !apart() && lattice.layers <= patch_layers);
   return true;
 }
 

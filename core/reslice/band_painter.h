@@ -63,6 +63,8 @@ class BandPainter {
   void thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain);
   template <class Paint>
   void paint_patches(const LatticeBlock& region, Paint paint);
+  template <class Paint>
+  void paint_sheared(Paint paint);
   void paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
                    const std::vector<Candidate>& candidates, const Chain& chain);
   // Of each table.

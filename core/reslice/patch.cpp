@@ -15,9 +15,18 @@ constexpr double most_px = 8000;
 LaneGrid lane_grid(LaneShape shape) {
   LaneGrid grid;
   for (int k = 0; k < patch_lanes; ++k) {
-    const int across = k % shape.across, down = k / shape.across;
-    grid.a[k] = static_cast<float>(across);
-    grid.b[k] = static_cast<float>(down);
+    const int a = shape.a(k), b = shape.b(k);
+    grid.a[k] = static_cast<float>(a);
+    grid.b[k] = static_cast<float>(b);
+    grid.least_a = std::min(grid.least_a, a);
+    grid.greatest_a = std::max(grid.greatest_a, a);
+    grid.least_b = std::min(grid.least_b, b);
+    grid.greatest_b = std::max(grid.greatest_b, b);
+    if (k > 0 && k % shape.across != 0 && grid.runs[grid.run_count - 1].b == b) {
+      ++grid.runs[grid.run_count - 1].count;
+    } else {
+      grid.runs[grid.run_count++] = {k, 1, a, b};
+    }
   }
   return grid;
 }
@@ -28,28 +37,18 @@ bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_r
          frame.y_px.gradient.norm() * px <= most_px;
 }
 
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, LaneShape shape,
-                      int taps, PatchFrame& out) {
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, int taps,
+                      PatchFrame& out) {
   out.pixels = frame.pixels;
   out.stride = frame.stride;
   out.width = frame.width;
   out.height = frame.height;
   const auto fixed = [](double px) { return std::llround(px * fixed_per_px); };
   const PatchKernels& kernels = patch_kernels();
-  kernels.lane_positions(grid, fixed(steps.x_per_sample), fixed(steps.x_per_row), out.offset_x.data());
-  kernels.lane_positions(grid, fixed(steps.y_per_sample), fixed(steps.y_per_row), out.offset_y.data());
-  // An affine function has its extremes at the corners.
-  const int corners[4] = {0, shape.across - 1, patch_lanes - shape.across, patch_lanes - 1};
-  const auto extremes = [&](const auto& offsets) {
-    auto [least, greatest] = std::pair(offsets[0], offsets[0]);
-    for (const int k : corners) {
-      least = std::min(least, offsets[k]);
-      greatest = std::max(greatest, offsets[k]);
-    }
-    return std::pair(least, greatest);
-  };
-  const auto [least_x, greatest_x] = extremes(out.offset_x);
-  const auto [least_y, greatest_y] = extremes(out.offset_y);
+  const auto [least_x, greatest_x] =
+      kernels.lane_positions(grid, fixed(steps.x_per_sample), fixed(steps.x_per_row), out.offset_x.data());
+  const auto [least_y, greatest_y] =
+      kernels.lane_positions(grid, fixed(steps.y_per_sample), fixed(steps.y_per_row), out.offset_y.data());
   out.least_y = least_y;
   out.greatest_y = greatest_y;
   out.least_column = least_x >> 16;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,16 +17,35 @@ constexpr int patch_lanes = 64;
 // pieces.
 constexpr int patch_layers = 128;
 
+// A rectangle of lanes, or one sheared along the frames' traces: every row begins so many samples farther on
+// than the one above it, or every column so many rows farther down, rounded. Patches at multiples of across
+// and down then cover the picture as rectangles do.
 struct LaneShape {
-  int across = 64;  // samples along a line: 1, 2, 4 ... 64
+  int across = 64;                                  // samples along a line: 1, 2, 4 ... 64
+  double samples_per_row = 0, rows_per_sample = 0;  // of which one at least is 0
   int down() const { return patch_lanes / across; }
+  bool sheared() const { return samples_per_row != 0 || rows_per_sample != 0; }
+  int a(int lane) const { return lane % across + rounded(samples_per_row * (lane / across)); }
+  int b(int lane) const { return lane / across + rounded(rows_per_sample * (lane % across)); }
+
+ private:
+  static int rounded(double x) { return static_cast<int>(std::lround(x)); }
 };
 
 using LaneMask = std::uint64_t;  // bit k: lane k
 
+// Lanes beside one another in a row of the picture.
+struct LaneRun {
+  int lane = 0, count = 0;  // the first; how many
+  int a = 0, b = 0;         // of the first
+};
+
 // Where the lanes lie, from lane 0: samples along the line, rows down.
 struct alignas(64) LaneGrid {
   std::array<float, patch_lanes> a, b;
+  std::array<LaneRun, patch_lanes> runs;
+  int run_count = 0;
+  int least_a = 0, greatest_a = 0, least_b = 0, greatest_b = 0;
 };
 LaneGrid lane_grid(LaneShape shape);
 
@@ -182,6 +202,11 @@ struct LinearSide {
   float z_per_sample = 0, z_per_row = 0;
 };
 
+// Least and greatest offset of a patch's lanes.
+struct OffsetSpan {
+  std::int32_t least = 0, greatest = 0;
+};
+
 // The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
 // sets give the same bits.
 struct PatchKernels {
@@ -212,8 +237,10 @@ struct PatchKernels {
   int (*take_chain_apart)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                           const PatchSite& site, PatchLayers& layers);
 
-  // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel.
-  void (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row, std::int32_t* offsets);
+  // Whole and fractional offsets of all lanes: a per_sample + b per_row, cut off to 1/65536 pixel. Returns
+  // their extremes.
+  OffsetSpan (*lane_positions)(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row,
+                               std::int32_t* offsets);
   // Splits offsets into 16-bit fractions and whole parts less `least`.
   void (*split_positions)(const std::int32_t* offsets, int least, std::uint16_t* fractions,
                           std::uint8_t* wholes);
@@ -261,8 +288,8 @@ struct FootSteps {
 bool patches_hold(const FrameEntry& frame, double mm_per_sample, double mm_per_row);
 
 // `taps`: pixels along x and along y that a sample takes. Precondition: patches_hold.
-void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, LaneShape shape,
-                      int taps, PatchFrame& out);
+void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const LaneGrid& grid, int taps,
+                      PatchFrame& out);
 
 // The foot's coordinate in pixels as a position of lane 0: + 1/2, and so much more that sums of truncated
 // numbers never fall below a boundary they are on.

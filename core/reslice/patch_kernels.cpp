@@ -25,8 +25,8 @@ namespace sonoband {
 namespace HWY_NAMESPACE {
 
 // Whole and fractional parts of a * per_sample + b * per_row apart keep products in 32 bits.
-HWY_ATTR void lane_positions(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row,
-                             std::int32_t* offsets) {
+HWY_ATTR OffsetSpan lane_positions(const LaneGrid& grid, FixedPx per_sample, FixedPx per_row,
+                                   std::int32_t* offsets) {
   const Floats d;
   const Ints ints;
   const auto high = [&](FixedPx step)
@@ -34,12 +34,17 @@ HWY_ATTR void lane_positions(const LaneGrid& grid, FixedPx per_sample, FixedPx p
   const auto low = [&](FixedPx step)
                        HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(step & 0xffff)); };
   const auto high_a = high(per_sample), low_a = low(per_sample), high_b = high(per_row), low_b = low(per_row);
+  auto least = hn::Zero(ints), greatest = hn::Zero(ints);  // lane 0 has offset 0
   for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
     const auto a = hn::ConvertTo(ints, hn::Load(d, grid.a.data() + k));
     const auto b = hn::ConvertTo(ints, hn::Load(d, grid.b.data() + k));
     const auto carried = hn::ShiftRight<16>(hn::Add(hn::Mul(a, low_a), hn::Mul(b, low_b)));
-    hn::Store(hn::Add(hn::Add(hn::Mul(a, high_a), hn::Mul(b, high_b)), carried), ints, offsets + k);
+    const auto at = hn::Add(hn::Add(hn::Mul(a, high_a), hn::Mul(b, high_b)), carried);
+    hn::Store(at, ints, offsets + k);
+    least = hn::Min(least, at);
+    greatest = hn::Max(greatest, at);
   }
+  return {hn::GetLane(hn::MinOfLanes(ints, least)), hn::GetLane(hn::MaxOfLanes(ints, greatest))};
 }
 
 HWY_ATTR void split_positions(const std::int32_t* offsets, int least, std::uint16_t* fractions,

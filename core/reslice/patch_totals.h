@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 #include "core/reslice/band.h"
@@ -41,28 +42,28 @@ class PatchTotals {
 
   // Lane 0 is pixel (x, y); lanes beyond the picture are dropped.
   void store(BandImage& image, int x, int y, LaneShape shape) {
-    std::array<std::uint8_t, patch_lanes> values;
-    std::array<std::uint16_t, patch_lanes> counts;
-    const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
-    if (pieces_ == 0) {
-      for (int k = 0; k < patch_lanes; ++k) counts[k] = piece_.count[k];
-      if (!mean) values = piece_.extreme;
-      for (int k = 0; mean && k < patch_lanes; ++k) {
-        values[k] = rule_ == Rule::mean_grey || piece_.coloured[k] == 0
-                        ? mean_inverses.mean(piece_.sum[k], piece_.count[k])
-                        : mean_of(k).value();
-      }
-    } else {
-      gather();
-      counts = count_;
-      for (int k = 0; k < patch_lanes; ++k) values[k] = mean ? means_[k].value() : extreme_[k];
-    }
-    if (rule_ == Rule::minimum) {
-      for (int k = 0; k < patch_lanes; ++k) values[k] = counts[k] != 0 ? values[k] : std::uint8_t{0};
-    }
+    LaneBytes values;
+    LaneCounts counts;
+    compound(values, counts);
     const LanesAt at{x, y, image.pixels.width(), image.pixels.height(), shape};
     put_lanes(values.data(), at, [&](int row) { return image.pixels.view().row(row); });
     put_lanes(counts.data(), at, [&](int row) { return image.coverage.view().row(row); });
+  }
+  // Lanes of any grid; those not in `lanes` are dropped.
+  void store(BandImage& image, int x, int y, const LaneGrid& grid, LaneMask lanes) {
+    LaneBytes values;
+    LaneCounts counts;
+    compound(values, counts);
+    for (int i = 0; i < grid.run_count; ++i) {
+      const LaneRun& run = grid.runs[i];
+      const LaneMask of_run = lanes >> run.lane & ~LaneMask{0} >> (patch_lanes - run.count);
+      if (of_run == 0) continue;
+      // They are beside one another, for what drops them is a rectangle.
+      const int skip = std::countr_zero(of_run), count = std::popcount(of_run);
+      const int lane = run.lane + skip, column = x + run.a + skip, row = y + run.b;
+      std::copy_n(values.data() + lane, count, image.pixels.view().row(row) + column);
+      std::copy_n(counts.data() + lane, count, image.coverage.view().row(row) + column);
+    }
   }
 
   // Of a single layer.
@@ -91,6 +92,28 @@ class PatchTotals {
 
  private:
   using LaneBytes = std::array<std::uint8_t, patch_lanes>;
+  using LaneCounts = std::array<std::uint16_t, patch_lanes>;
+  // Of all pieces.
+  void compound(LaneBytes& values, LaneCounts& counts) {
+    const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
+    if (pieces_ == 0) {
+      for (int k = 0; k < patch_lanes; ++k) counts[k] = piece_.count[k];
+      if (!mean) values = piece_.extreme;
+      for (int k = 0; mean && k < patch_lanes; ++k) {
+        values[k] = rule_ == Rule::mean_grey || piece_.coloured[k] == 0
+                        ? mean_inverses.mean(piece_.sum[k], piece_.count[k])
+                        : mean_of(k).value();
+      }
+    } else {
+      gather();
+      counts = count_;
+      for (int k = 0; k < patch_lanes; ++k) values[k] = mean ? means_[k].value() : extreme_[k];
+    }
+    if (rule_ == Rule::minimum) {
+      for (int k = 0; k < patch_lanes; ++k) values[k] = counts[k] != 0 ? values[k] : std::uint8_t{0};
+    }
+  }
+
   // Where lane 0 is in a picture.
   struct LanesAt {
     int x, y, picture_width, picture_height;

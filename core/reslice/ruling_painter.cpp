@@ -195,7 +195,7 @@ void RulingPainter::paint_chain(const Region& region, const Chain& chain,
     cell.last = static_cast<int>(layers_.size());
     if (cell.first == cell.last) continue;
     const FootSteps steps{f.x_px.gradient.dot(bundle_.step.v), 0, f.y_px.gradient.dot(bundle_.step.v), 0};
-    make_patch_frame(f, steps, grid, shape, 1, patches_[m]);
+    make_patch_frame(f, steps, grid, 1, patches_[m]);
     cell.frame = &patches_[m];
     cell.x_per_sample = std::llround(steps.x_per_sample * fixed_per_px);
     cell.y_per_sample = std::llround(steps.y_per_sample * fixed_per_px);

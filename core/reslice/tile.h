@@ -45,12 +45,12 @@ struct Tile {
   // Thins a chain to `thin_mm` by the rule of chain.h.
   void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
   // Makes what patches share of the candidates, and asks for their pixels.
-  void open(const Lattice& lattice, Interpolation interpolation);
+  void open(const Lattice& lattice, Interpolation interpolation, bool may_shear);
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 
   // The patch that spans fewest frames and pixel rows.
-  LaneShape choose_shape(const Lattice& lattice, Interpolation interpolation) const;
+  LaneShape choose_shape(const Lattice& lattice, Interpolation interpolation, bool may_shear) const;
   // `taps`: pixels along x and along y that a sample takes: 1 nearest, 2 linear.
   void make_frames(const Lattice& lattice, int a, int b, int taps);
 
@@ -60,5 +60,7 @@ struct Tile {
 
 // Lanes within width x height of a patch's corner.
 LaneMask existing_lanes(LaneShape shape, int width, int height);
+// Lanes within width x height from the pixel that lies (a, b) before the patch's corner.
+LaneMask existing_lanes(const LaneGrid& grid, int a, int b, int width, int height);
 
 }  // namespace sonoband

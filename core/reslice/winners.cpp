@@ -173,8 +173,13 @@ void Winners::contest(Share& earlier, Share& later, const PatchPlace& place, con
   if (!linear_) return;
   // On the positive side the smaller z is nearer, on the other the greater.
   std::array<LaneMask, patch_layers> smaller, greater;
-  below(difference, smaller.data());
-  above(difference, greater.data());
+  if (difference.sign != 0) {
+    std::fill_n(smaller.begin(), layers, difference.sign < 0 ? ~LaneMask{0} : 0);
+    std::fill_n(greater.begin(), layers, difference.sign > 0 ? ~LaneMask{0} : 0);
+  } else {
+    below(difference, smaller.data());
+    above(difference, greater.data());
+  }
   for (int l = 0; l < layers; ++l) {
     const LaneMask of_earlier = earlier.positive[first + l], of_later = later.positive[first + l];
     const LaneMask same_side = ~(of_earlier ^ of_later);
