@@ -16,9 +16,9 @@ def losses(sweep):
 
 
 class Cart:
-    """Takes `sweeps` sweeps by the pedal, paints a band of each, and ends."""
+    """Takes `sweeps` sweeps by the pedal, paints a band of each, and ends. `options`: more of them, for its command line."""
 
-    def __init__(self, board, name, sweeps):
+    def __init__(self, board, name, sweeps, options=''):
         self.board = board
         self.folder = '/data/' + name
         script = ['watch', 'await live 300']
@@ -30,7 +30,7 @@ class Cart:
         self.planned = sweeps
         self.sweeps = 0
         self.job = board.begin(f'mkdir -p {self.folder} && exec sonoband --board virtual --headless --script /share/{name}.script '
-                               f'--out {self.folder}/out --exams {self.folder}/exams')
+                               f'--out {self.folder}/out --exams {self.folder}/exams {options}')
 
     def ended(self):
         code = self.board.code(self.job)
@@ -73,6 +73,10 @@ class Cart:
         enough = self.now()['saved'] + more
         return self.wait(lambda s: s['saved'] >= enough, f'{more} more frames')
 
+    def account(self):
+        """Of the sweep that has ended."""
+        return wait_for(lambda: self.lines('sweep'), 'the account of the sweep', ended=self.ended)[-1]['sweep']
+
     def swept(self):
         """After a sweep: its account, once its band is painted and the script is ready for the next."""
         self.sweeps += 1
@@ -83,6 +87,11 @@ class Cart:
         return said[-1]['sweep']
 
     def sweep(self, during=lambda: None):
+        self.take(during)
+        return self.swept()
+
+    def take(self, during=lambda: None):
+        """A sweep from press to release."""
         self.ready()
         self.board.press()
         self.wait(lambda s: s['state'] == 'recording', 'a press to record')
@@ -90,7 +99,6 @@ class Cart:
         during()
         self.board.release()
         self.wait(lambda s: s['state'] == 'review', 'the release to end the sweep')
-        return self.swept()
 
     def end(self):
         code, log = self.board.end(self.job)
