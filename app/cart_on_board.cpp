@@ -59,6 +59,7 @@ std::unique_ptr<exam::CartExams> make_exams(const std::filesystem::path& place, 
   exam::SweepSetup& sweep = settings.sweep;
   sweep.width = plan.width;
   sweep.height = plan.height;
+  sweep.kind = acquisition.flow ? PixelKind::doppler : PixelKind::grey;
   sweep.frames_per_second = profile.capture.rate_hz;
   sweep.probe_from_image = acquisition.probe_from_image;
   sweep.calibration_name = "of the board " + board.board;
@@ -84,6 +85,14 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
   settings.ring.width = plan.width;
   settings.ring.height = plan.height;
   settings.ring.slots = static_cast<std::uint32_t>(profile.ring.frames);
+
+  if (profile.capture.colour == "doppler") {
+    settings.ring.kind = PixelKind::doppler;
+    doppler::ColourThresholds thresholds;
+    thresholds.chroma = profile.capture.chroma;
+    settings.cart.acquisition.flow =
+        std::make_shared<FlowKeys>(doppler::ColourClassifier(doppler::red_blue_bar(), thresholds));
+  }
 
   const bool real_devices = !board.foot;
   settings.priority = real_devices ? 40 : 0;

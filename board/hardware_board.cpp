@@ -83,7 +83,8 @@ BoardDevices make_hardware_board(const std::string& name, const BoardCalibration
                                     VideoSettings{.width = devices.width_px,
                                                   .height = devices.height_px,
                                                   .rate_hz = profile.capture.rate_hz,
-                                                  .silent = from_seconds(profile.capture.silent_ms / 1000)});
+                                                  .silent = from_seconds(profile.capture.silent_ms / 1000),
+                                                  .colour = profile.capture.colour == "doppler"});
   devices.footswitch = std::make_unique<ContactFootswitch>(
       profile.pedal.wired == "usb" ? key_contacts(profile.pedal.device) : gpio_contacts(), clock,
       pedal_wiring(profile));

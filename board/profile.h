@@ -22,6 +22,10 @@ struct Profile {
     std::array<int, 4> crop_px{0, 0, 0,
                                0};   // x, y, width, height in the captured picture; all 0: the whole picture
     std::string orientation = "MF";  // of the captured picture: MF, MN, UF or UN
+    // doppler: the scanner shows colour Doppler, whose colours become velocities; a pixel counts as coloured
+    // from this difference of its largest and smallest of red, green and blue on (about 30 for motion JPEG).
+    std::string colour = "grey";
+    int chroma = 24;
     // Scanner and grabber against tracker, from temporal calibration: 50 to 300. Empty: what the board itself
     // knows (a simulation does), else 0.
     std::optional<double> latency_ms;

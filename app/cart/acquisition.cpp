@@ -31,6 +31,7 @@ Acquisition::Acquisition(FrameRing& ring, const AcquisitionSettings& settings)
           static_cast<std::uint64_t>(settings.duplicate_levels * static_cast<double>(mask_pixels(ring)))) {
   assert(settings.crop.x >= 0 && settings.crop.x + ring.settings().width <= settings.source_width);
   assert(settings.crop.y >= 0 && settings.crop.y + ring.settings().height <= settings.source_height);
+  assert((ring.settings().kind == PixelKind::doppler) == (settings.flow != nullptr));
   assert(ring.settings().reserve >= settings.pairing.capacity + ring.settings().leases + 2);
 }
 
@@ -88,7 +89,10 @@ void Acquisition::on_frame(const Frame& frame, Stamp now) {
     return;
   }
   last_stamped_ = frame.captured;
-  copy_luma(frame, settings_.crop, slot->pixels);
+  if (settings_.flow)
+    settings_.flow->copy(frame, settings_.crop, slot->pixels);
+  else
+    copy_luma(frame, settings_.crop, slot->pixels);
   if (repeats(*slot)) {
     ring_.discard(*slot);
     lose(LossCause::duplicate, captured);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "app/cart/picture.h"
@@ -19,6 +20,7 @@ struct AcquisitionSettings {
   int source_width = 640;  // of the raw capture; any other size is refused as bad_size
   int source_height = 480;
   Crop crop;
+  std::shared_ptr<const FlowKeys> flow;  // of a ring of Doppler pictures; null: grey
   // Of the cropped and flipped picture: moving the crop changes it.
   Affine<frame::Probe, frame::Image> probe_from_image;
   Rigid<frame::World, frame::Tracker> world_from_tracker;

@@ -6,6 +6,7 @@
 
 #include "core/image/image.h"
 #include "core/sweep/loss_ledger.h"
+#include "hal/capture/flow_keys.h"
 #include "hal/capture/luma.h"
 #include "hal/devices.h"
 
@@ -14,6 +15,7 @@ namespace sonoband::cart {
 // The crop's size is that of the ring's pictures.
 using sonoband::copy_luma;
 using sonoband::Crop;
+using sonoband::FlowKeys;
 
 // Why this capture cannot be used: a format without luma, another size than expected (the scanner changed its
 // mode), or fewer bytes than rows of that size need. Empty: it can.

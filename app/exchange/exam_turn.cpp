@@ -5,6 +5,7 @@
 
 #include "app/bad_input.h"
 #include "app/exam/sweep_loader.h"
+#include "core/sweep/drawings.h"
 
 namespace sonoband::exchange {
 namespace {
@@ -46,7 +47,8 @@ void write_stored_turn(const StoredTurn& what, const std::filesystem::path& path
         what.name +
         ": no frame of it has a place in space, so there is nothing to turn; export its B-scans as a "
         "movie (webm)");
-  const SweepView view{swept, loader.mask()};
+  const Pixels mask = mask_without_drawings({swept, loader.mask()});
+  const SweepView view{swept, mask.view()};
   Progress turning;
   if (progress)
     turning = [&progress](int permille) {

@@ -9,6 +9,7 @@
 #include "app/exchange/doppler_pixels.h"
 #include "app/exchange/grey_pixels.h"
 #include "core/image/overlay.h"
+#include "core/sweep/drawings.h"
 
 namespace sonoband::exchange {
 
@@ -79,19 +80,10 @@ std::vector<std::string> reachable(const TransformGraph& graph) {
                              file, world, listed(ways)));
 }
 
-// Whether a corner of the picture went far enough that speckle changed everywhere: 2 mm, several resolution
-// cells in elevation.
-bool probe_moved(const std::vector<TrackedFrame>& frames, int width, int height) {
-  constexpr double enough_mm = 2;
-  for (const double x : {0, width - 1})
-    for (const double y : {0, height - 1}) {
-      const auto corner = [&](const TrackedFrame& f) {
-        return (f.world_from_image * Point<frame::Image>{{x, y, 0}}).v;
-      };
-      for (const TrackedFrame& f : frames)
-        if ((corner(f) - corner(frames.front())).norm() >= enough_mm) return true;
-    }
-  return false;
+bool moved(const SequenceSweep& sweep) {
+  std::vector<const TrackedFrame*> all;
+  for (const TrackedFrame& f : sweep.frames) all.push_back(&f);
+  return probe_moved(all, sweep.sequence.width, sweep.sequence.height);
 }
 
 // The sequence's pixels to one byte each, and the sweep's kind and mask.
@@ -103,8 +95,7 @@ void make_bytes(SequenceSweep& sweep, const PlusConfig& config, const SweepReque
   if (rgb && request.colour != ColourUse::grey) {
     const doppler::ColourClassifier classifier(doppler::red_blue_bar(), {});
     if (request.colour == ColourUse::doppler || shows_flow(s, sweep.mask.view(), classifier)) {
-      Pixels ultrasound =
-          make_doppler(s, sweep.mask.view(), classifier, probe_moved(sweep.frames, s.width, s.height));
+      Pixels ultrasound = make_doppler(s, sweep.mask.view(), classifier, moved(sweep));
       if (request.mask) sweep.mask = std::move(ultrasound);
       sweep.kind = PixelKind::doppler;
       return;

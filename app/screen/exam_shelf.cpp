@@ -37,7 +37,7 @@ HeldSweep held_of(const std::shared_ptr<exam::SweepLoader>& loader) {
   HeldSweep held;
   held.view = {loaded->frames, loader->mask()};
   held.keeper = std::move(loaded);
-  return held;
+  return without_drawings(std::move(held));
 }
 
 ExamShelf::ExamShelf(exam::CartExams& exams, std::function<void()> news)

@@ -78,7 +78,7 @@ void ScreenLoop::follow_sweep(Stamp now) {
   if (!released && now < *next_growth_) return;
   next_growth_ = now + growth_every;
   RunSweep sweep;
-  sweep.held = {growing_->view(), growing_};
+  sweep.held = without_drawings({growing_->view(), growing_});
   sweep.id = static_cast<std::uint64_t>(growing_->id());
   if (released) {
     sweep.when = local_time();

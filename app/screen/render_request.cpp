@@ -1,6 +1,9 @@
 #include "app/screen/render_request.h"
 
+#include <utility>
+
 #include "app/screen/drag_layers.h"
+#include "core/sweep/drawings.h"
 
 namespace sonoband {
 
@@ -35,6 +38,20 @@ bool drags(const RenderRequest& from, const RenderRequest& to) {
 
 double samples_of(const RenderRequest& request) {
   return static_cast<double>(request.plane.width) * request.plane.height * request.settings.band.layers();
+}
+
+HeldSweep without_drawings(HeldSweep held) {
+  struct Masked {
+    std::shared_ptr<const void> frames;
+    Pixels mask;
+  };
+  const auto& frames = held.view.frames;
+  if (frames.empty() || frames.front()->bscan.kind != PixelKind::doppler) return held;
+  auto masked =
+      std::make_shared<const Masked>(Masked{std::move(held.keeper), mask_without_drawings(held.view)});
+  held.view.mask = masked->mask.view();
+  held.keeper = std::move(masked);
+  return held;
 }
 
 }  // namespace sonoband

@@ -18,6 +18,9 @@ struct HeldSweep {
   std::shared_ptr<const void> keeper;
 };
 
+// Its mask without what the scanner draws over Doppler pictures (core/sweep/drawings.h).
+HeldSweep without_drawings(HeldSweep held);
+
 struct RenderRequest {
   HeldSweep sweep;
   std::uint64_t sweep_id = 0;       // comes back with the result

@@ -11,6 +11,7 @@
 #include "app/script/watch.h"
 #include "core/manifold/manifold_band.h"
 #include "core/reslice/default_plane.h"
+#include "core/sweep/drawings.h"
 
 namespace sonoband::script {
 namespace {
@@ -127,12 +128,13 @@ class Runner {
 
   void act(const ScreenAction&) { fail("there is no screen here for a finger to touch"); }
 
-  SweepView last_sweep() const {
+  SweepView last_sweep() {
     if (sweeps_.empty()) fail("there is no sweep yet to make a picture of; press, wait, release first");
     const SweepView view = sweeps_.back().view();
     if (view.frames.empty())
       fail("no frame of the last sweep has a pose, so there is nothing to make a picture of");
-    return view;
+    mask_ = mask_without_drawings(view);
+    return {view.frames, mask_.view()};
   }
 
   Chosen choose(const SweepView& sweep, const Render& render) const {
@@ -218,6 +220,7 @@ class Runner {
   Stage& stage_;
   int line_ = 0;
   std::vector<Sweep> sweeps_;
+  Pixels mask_;  // of the last one that a picture was made of
   Json pictures_ = Json::array();
   std::optional<Watch> watch_;
   std::size_t sweeps_told_ = 0;

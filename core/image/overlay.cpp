@@ -18,18 +18,37 @@ OverlayDetector::OverlayDetector(int width, int height) : least_(width, height),
   std::fill_n(least_.view().data, static_cast<std::size_t>(width) * height, std::uint8_t{255});
 }
 
-void OverlayDetector::add(ConstPixels grey) {
-  assert(grey.width == least_.width() && grey.height == least_.height());
-  for (int y = 0; y < grey.height; ++y) {
-    const std::uint8_t* in = grey.row(y);
+void OverlayDetector::add(ConstPixels pixels, const std::array<std::uint8_t, 256>& grey_of) {
+  assert(pixels.width == least_.width() && pixels.height == least_.height());
+  for (int y = 0; y < pixels.height; ++y) {
+    const std::uint8_t* in = pixels.row(y);
     std::uint8_t* least = least_.view().row(y);
     std::uint8_t* greatest = greatest_.view().row(y);
-    for (int x = 0; x < grey.width; ++x) {
-      least[x] = std::min(least[x], in[x]);
-      greatest[x] = std::max(greatest[x], in[x]);
+    for (int x = 0; x < pixels.width; ++x) {
+      const std::uint8_t grey = grey_of[in[x]];
+      least[x] = std::min(least[x], grey);
+      greatest[x] = std::max(greatest[x], grey);
     }
   }
   ++frames_;
+}
+
+void OverlayDetector::add(ConstPixels grey) {
+  static constexpr auto itself = [] {
+    std::array<std::uint8_t, 256> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
+    return all;
+  }();
+  add(grey, itself);
+}
+
+void OverlayDetector::add_keys(ConstPixels keys) {
+  static constexpr auto grey_of = [] {
+    std::array<std::uint8_t, 256> all{};
+    for (std::size_t key = 0; key < 128; ++key) all[key] = static_cast<std::uint8_t>((key * 255 + 63) / 127);
+    return all;
+  }();
+  add(keys, grey_of);
 }
 
 Pixels OverlayDetector::mask(const OverlayRule& rule, bool moved) const {

@@ -3,6 +3,7 @@
 // has it).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,12 +25,16 @@ class OverlayDetector {
   OverlayDetector(int width, int height);
 
   void add(ConstPixels grey);  // same size as constructed with (asserted)
+  // Of a Doppler picture, whose greys have 7 bits: what is coloured flows, and is no drawing.
+  void add_keys(ConstPixels keys);
 
   // 255 where a pixel is ultrasound, 0 where it is drawn. `moved` says whether the probe moved during the
   // sweep; if it did not, constancy proves nothing and all pixels count as ultrasound.
   Pixels mask(const OverlayRule& rule, bool moved) const;
 
  private:
+  void add(ConstPixels pixels, const std::array<std::uint8_t, 256>& grey_of);
+
   Pixels least_;
   Pixels greatest_;
   int frames_ = 0;

@@ -24,6 +24,7 @@ enum class VideoStatus : std::uint8_t {
   no_signal,      // an HDMI bridge without a cable or a source
   no_lock,        // a signal it cannot lock to
   out_of_range,   // a signal of a size or rate it cannot take
+  no_colour,      // Doppler is wanted, and no format that it offers gives its colours
   changed,        // the source changed its size: stop, negotiate, start
   failed,         // any other error of the kernel's
 };

@@ -1,6 +1,7 @@
 #include "hal/capture/video_source.h"
 
 #include <algorithm>
+#include <span>
 
 #include "hal/capture/luma.h"
 
@@ -28,6 +29,9 @@ const char* sentence(VideoStatus status) {
       return "The grabber cannot lock to the scanner's signal: use a shorter video cable.";
     case VideoStatus::out_of_range:
       return "The grabber cannot take the scanner's video mode: choose another one on the scanner.";
+    case VideoStatus::no_colour:
+      return "The grabber gives no colour that Doppler can be taken from: use one with YUYV, UYVY, RGB or "
+             "motion JPEG, or set capture.colour to grey.";
     case VideoStatus::changed:
       return "The scanner changed its video mode; asking again what it sends.";
     default:
@@ -49,13 +53,23 @@ DeviceState state_for(VideoStatus status) {
 }
 
 // Best first: what costs least and spoils nothing.
-constexpr PixelFormat preference[] = {PixelFormat::grey8, PixelFormat::nv12,  PixelFormat::yuyv,
-                                      PixelFormat::uyvy,  PixelFormat::rgb24, PixelFormat::mjpeg};
+constexpr PixelFormat for_grey[] = {PixelFormat::grey8, PixelFormat::nv12,  PixelFormat::yuyv,
+                                    PixelFormat::uyvy,  PixelFormat::rgb24, PixelFormat::mjpeg};
+constexpr PixelFormat for_colour[] = {PixelFormat::rgb24, PixelFormat::yuyv, PixelFormat::uyvy,
+                                      PixelFormat::mjpeg};
+
+std::span<const PixelFormat> preference(bool colour) {
+  return colour ? std::span<const PixelFormat>(for_colour) : std::span<const PixelFormat>(for_grey);
+}
 
 }  // namespace
 
 VideoSource::VideoSource(VideoDevice& device, Clock& clock, const VideoSettings& settings)
-    : device_(device), clock_(clock), settings_(settings), decoded_(settings.width, settings.height) {}
+    : device_(device),
+      clock_(clock),
+      settings_(settings),
+      decoded_(settings.colour ? Pixels() : Pixels(settings.width, settings.height)),
+      decoded_rgb_(settings.colour ? std::size_t{3} * settings.width * settings.height : 0) {}
 
 VideoSource::~VideoSource() {
   VideoSource::stop();
@@ -87,8 +101,8 @@ void VideoSource::close() {
 VideoStatus VideoSource::bring_up() {
   if (const VideoStatus opened = device_.open(); opened != VideoStatus::ok) return opened;
   const std::vector<PixelFormat> offered = device_.formats();
-  VideoStatus status = VideoStatus::not_video;
-  for (const PixelFormat format : preference) {
+  VideoStatus status = settings_.colour && !offered.empty() ? VideoStatus::no_colour : VideoStatus::not_video;
+  for (const PixelFormat format : preference(settings_.colour)) {
     if (std::find(offered.begin(), offered.end(), format) == offered.end()) continue;
     VideoMode mode{.format = format, .width = settings_.width, .height = settings_.height};
     status = device_.negotiate(mode, settings_.rate_hz);
@@ -124,6 +138,17 @@ bool VideoSource::is_later(const VideoBuffer& buffer) const {
   return static_cast<double>(buffer.stamp_ns - last_device_ns_) >= 0.5e9 / settings_.rate_hz;
 }
 
+bool VideoSource::decode(const VideoBuffer& buffer, Frame& out) {
+  const int channels = settings_.colour ? 3 : 1;
+  out.format = settings_.colour ? PixelFormat::rgb24 : PixelFormat::grey8;
+  out.data = settings_.colour ? decoded_rgb_.data() : decoded_.view().data;
+  out.stride_bytes = std::ptrdiff_t{channels} * out.width;
+  out.bytes = static_cast<std::size_t>(out.stride_bytes) * static_cast<std::size_t>(out.height);
+  if (out.width != settings_.width || out.height != settings_.height) return false;
+  return settings_.colour ? jpeg_.decode_rgb(buffer.bytes, out.width, out.height, decoded_rgb_.data())
+                          : jpeg_.decode(buffer.bytes, decoded_.view());
+}
+
 bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
   const Stamp now = clock_.now();
   std::uint64_t missed = 0;
@@ -146,13 +171,7 @@ bool VideoSource::accept(const VideoBuffer& buffer, Frame& out) {
   out.stride_bytes = mode_->stride_bytes;
   out.format = mode_->format;
   bool whole = !buffer.damaged;
-  if (whole && out.format == PixelFormat::mjpeg) {
-    whole = jpeg_.decode(buffer.bytes, decoded_.view());
-    out.data = decoded_.view().data;
-    out.bytes = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height);
-    out.stride_bytes = out.width;
-    out.format = PixelFormat::grey8;
-  }
+  if (whole && out.format == PixelFormat::mjpeg) whole = decode(buffer, out);
   if (!whole || check_frame(out, settings_.width, settings_.height) != FrameFault::none) {
     health_.lost.fetch_add(1, std::memory_order_relaxed);
     return false;

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/image/image.h"
 #include "hal/capture/jpeg_luma.h"
@@ -25,6 +26,7 @@ struct VideoSettings {
   int height = 1080;
   double rate_hz = 60;
   Duration silent = std::chrono::seconds(1);  // without a picture for longer it is restarted
+  bool colour = false;  // Doppler: frames come in a format that FlowKeys takes colour from
 };
 
 class VideoSource final : public FrameSource {
@@ -47,6 +49,7 @@ class VideoSource final : public FrameSource {
   VideoStatus bring_up();
   bool is_later(const VideoBuffer& buffer) const;
   bool accept(const VideoBuffer& buffer, Frame& out);
+  bool decode(const VideoBuffer& buffer, Frame& out);
   void trouble(VideoStatus why);
   void close();
 
@@ -58,8 +61,9 @@ class VideoSource final : public FrameSource {
   bool ever_streamed_ = false;
   std::optional<VideoMode> mode_;
   JpegLuma jpeg_;
-  Pixels decoded_;
-  int held_ = -1;  // the buffer lent out
+  Pixels decoded_;                         // of motion JPEG: luma
+  std::vector<std::uint8_t> decoded_rgb_;  // or colour
+  int held_ = -1;                          // the buffer lent out
   Stamp next_open_{};
   Stamp last_frame_{};
   int silent_restarts_ = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/cart/acquisition.h"
+#include "hal/capture/flow_keys.h"
 #include "hal/capture/luma.h"
 #include "hal/capture/video_source.h"
 
@@ -38,6 +39,28 @@ void crop_of_full_hd(benchmark::State& state, PixelFormat format, int pixel) {
 BENCHMARK_CAPTURE(crop_of_full_hd, yuyv, PixelFormat::yuyv, 2)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(crop_of_full_hd, nv12, PixelFormat::nv12, 1)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(crop_of_full_hd, rgb24, PixelFormat::rgb24, 3)->Unit(benchmark::kMicrosecond);
+
+// Doppler keys and crop, of noise: each pixel another colour.
+void keys_of_full_hd(benchmark::State& state, PixelFormat format, int pixel) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width * height * pixel));
+  std::mt19937 random(1);
+  std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(random()); });
+  const Frame frame{.data = bytes.data(),
+                    .bytes = bytes.size(),
+                    .width = width,
+                    .height = height,
+                    .stride_bytes = static_cast<std::ptrdiff_t>(width) * pixel,
+                    .format = format};
+  const FlowKeys keys(doppler::ColourClassifier(doppler::red_blue_bar(), {}));
+  Pixels slot(640, 480);
+  for (auto _ : state) {
+    keys.copy(frame, crop, slot.view());
+    benchmark::DoNotOptimize(slot.view().data);
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK_CAPTURE(keys_of_full_hd, yuyv, PixelFormat::yuyv, 2)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(keys_of_full_hd, rgb24, PixelFormat::rgb24, 3)->Unit(benchmark::kMicrosecond);
 
 // Time as fast as it is read.
 class BenchClock final : public Clock {

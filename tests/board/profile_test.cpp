@@ -28,6 +28,8 @@ TEST(Profile, TakesEveryKey) {
 rate-hz = 60
 crop-px = [10, 20, 640, 480]
 orientation = "UN"
+colour = "doppler"
+chroma = 30
 latency-ms = 82.5
 silent-ms = 2000
 [tracking]
@@ -53,6 +55,8 @@ seed = 7
   EXPECT_EQ(p.capture.rate_hz, 60);
   EXPECT_EQ(p.capture.crop_px, (std::array<int, 4>{10, 20, 640, 480}));
   EXPECT_EQ(p.capture.orientation, "UN");
+  EXPECT_EQ(p.capture.colour, "doppler");
+  EXPECT_EQ(p.capture.chroma, 30);
   EXPECT_EQ(p.capture.latency_ms, 82.5);
   EXPECT_EQ(p.capture.silent_ms, 2000);
   EXPECT_EQ(p.tracking.silent_ms, 300);

@@ -31,7 +31,7 @@ void make_coarser(sim::SimulatedScene& scene, int factor) {
 // As board/sim_board.cpp does, with faults.
 BoardDevices faulty_board(const ScreenCartSettings& settings, Clock& clock) {
   auto parts = std::make_shared<Parts>();
-  parts->scene = sim::make_scene({});
+  parts->scene = sim::make_scene({.preset = settings.doppler ? "vessels" : "foetus"});
   if (!settings.pixels) parts->scene.scanner.beams = 48;  // a quarter of the echoes, where nobody looks
   if (settings.coarser > 1) make_coarser(parts->scene, settings.coarser);
   const sim::SimulatedScene& scene = parts->scene;
@@ -74,6 +74,7 @@ ScreenCart::ScreenCart(ScreenCartSettings settings) : settings_(std::move(settin
   profile.ring.frames = static_cast<int>(settings_.ring_frames);
   profile.pedal.mode = settings_.screen.pedal;
   profile.exams.reserve_mb = 1;
+  if (settings_.doppler) profile.capture.colour = "doppler";
   cart_ = make_appliance(board, profile, clock_, settings_.exams);
   foot_ = board.foot;
   member_.emplace(*clock_);

@@ -31,6 +31,7 @@ struct ScreenCartSettings {
   std::filesystem::path exams;  // empty: nothing is saved
   // For tests that look at the picture; all have it where SONOBAND_SHOTS is set.
   bool pixels = false;
+  bool doppler = false;  // of the vessels, in place of the foetus in grey
   // The scanner's pictures are so much coarser, for tests that want many of them.
   int coarser = 1;
 };

@@ -97,7 +97,10 @@ class FakeVideo final : public VideoDevice {
 };
 
 struct Rig {
-  Rig() { source.start(); }
+  explicit Rig(bool colour = false)
+      : source(device, clock, {.width = width, .height = height, .rate_hz = 50, .colour = colour}) {
+    source.start();
+  }
   void run_to(double s) {
     Frame f;
     while (clock.now() < at(s)) {
@@ -116,7 +119,7 @@ struct Rig {
 
   test::SteppedClock clock;
   FakeVideo device{clock};
-  VideoSource source{device, clock, {.width = width, .height = height, .rate_hz = 50}};
+  VideoSource source;
   std::vector<Frame> frames;
 };
 

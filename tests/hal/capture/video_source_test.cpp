@@ -203,16 +203,21 @@ TEST(VideoSource, AStampOfAnotherClockIsNotBelieved) {
   }
 }
 
-std::vector<std::uint8_t> jpeg_of(int w, int h, std::uint8_t grey) {
-  const std::vector<std::uint8_t> pixels(static_cast<std::size_t>(w * h), grey);
+std::vector<std::uint8_t> jpeg_of(int w, int h, const std::vector<std::uint8_t>& pixels, int format,
+                                  int sampling) {
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
   const tjhandle handle = tjInitCompress();
-  EXPECT_EQ(tjCompress2(handle, pixels.data(), w, 0, h, TJPF_GRAY, &bytes, &size, TJSAMP_GRAY, 90, 0), 0);
+  EXPECT_EQ(tjCompress2(handle, pixels.data(), w, 0, h, format, &bytes, &size, sampling, 90, 0), 0);
   std::vector<std::uint8_t> out(bytes, bytes + size);
   tjFree(bytes);
   tjDestroy(handle);
   return out;
+}
+
+std::vector<std::uint8_t> jpeg_of(int w, int h, std::uint8_t grey) {
+  return jpeg_of(w, h, std::vector<std::uint8_t>(static_cast<std::size_t>(w * h), grey), TJPF_GRAY,
+                 TJSAMP_GRAY);
 }
 
 TEST(VideoSource, MotionJpegIsDecodedAndWarnedAbout) {
@@ -225,6 +230,49 @@ TEST(VideoSource, MotionJpegIsDecodedAndWarnedAbout) {
   EXPECT_EQ(rig.frames.back().format, PixelFormat::grey8);
   constexpr std::size_t middle_row = height / 2;
   EXPECT_NEAR(rig.frames.back().data[middle_row * width], 200, 1);
+}
+
+TEST(VideoSource, WhereDopplerIsConfiguredAFormatWithColourIsTaken) {
+  Rig rig(true);
+  rig.device.offered = {PixelFormat::grey8, PixelFormat::nv12, PixelFormat::yuyv, PixelFormat::mjpeg};
+  rig.run_to(0.5);
+  EXPECT_EQ(rig.device.format, PixelFormat::yuyv);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(VideoSource, AGrabberWithoutColourIsSaidToBeNoneForDoppler) {
+  Rig rig(true);
+  rig.device.offered = {PixelFormat::grey8, PixelFormat::nv12};
+  rig.run_to(0.5);
+  EXPECT_TRUE(rig.frames.empty());
+  EXPECT_EQ(rig.health().state, DeviceState::fault);
+  EXPECT_NE(std::string(rig.health().reason).find("capture.colour"), std::string::npos);
+}
+
+TEST(VideoSource, MotionJpegIsDecodedInColourForDoppler) {
+  Rig rig(true);
+  rig.device.offered.assign(1, PixelFormat::mjpeg);
+  std::vector<std::uint8_t> red(std::size_t{3} * width * height);
+  for (std::size_t i = 0; i < red.size(); i += 3) red[i] = 220;
+  rig.device.jpeg = jpeg_of(width, height, red, TJPF_RGB, TJSAMP_422);
+  rig.run_to(0.5);
+  ASSERT_FALSE(rig.frames.empty());
+  const Frame& f = rig.frames.back();
+  EXPECT_EQ(f.format, PixelFormat::rgb24);
+  const std::uint8_t* middle = f.data + (height / 2) * f.stride_bytes + 3 * (width / 2);
+  EXPECT_NEAR(middle[0], 220, 4);
+  EXPECT_NEAR(middle[1], 0, 4);
+  EXPECT_NEAR(middle[2], 0, 4);
+  // Of another size, or cut off: lost.
+  for (const bool cut : {false, true}) {
+    Rig bad(true);
+    bad.device.offered.assign(1, PixelFormat::mjpeg);
+    bad.device.jpeg = cut ? rig.device.jpeg : jpeg_of(2 * width, height, 9);
+    if (cut) bad.device.jpeg.resize(bad.device.jpeg.size() / 2);
+    bad.run_to(0.5);
+    EXPECT_TRUE(bad.frames.empty());
+    EXPECT_GE(bad.health().lost, 20u);
+  }
 }
 
 TEST(VideoSource, JpegsThatAreCutOffOrOfAnotherSizeAreLost) {
