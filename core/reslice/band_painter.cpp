@@ -218,6 +218,7 @@ void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region
 }
 
 void BandPainter::paint_tile(const Lattice& lattice) {
+  if (tile_.turned) tile_.turned_parts.turn();
   if (tile_.is_chain && tile_.block.depth <= patch_layers) {
     paint_chain(lattice, tile_.block, tile_.box, tile_.candidates, tile_.chain);
     return;
@@ -341,7 +342,9 @@ void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& 
   for (const Candidate& c : tile_.candidates) near.push_back(c.frame);
   Lattice steps;
   steps.per_sample = bundle.step.v;
-  tile_.make_frames(steps, 0, 0, linear_ ? 2 : 1);
+  tile_.turned = false;
+  tile_.place_frames(steps, 0, 0);
+  tile_.make_patches(steps, linear_ ? 2 : 1);
   std::vector<Candidate> candidates;
   std::vector<const PatchFrame*> patch_frames;
   const LaneMask lanes = existing_lanes(tile_.shape, end - a, 1);

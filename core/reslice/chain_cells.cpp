@@ -82,23 +82,6 @@ struct TileLayout {
   }
 };
 
-// The mask keeps every tap of every foot in the box.
-bool all_taps_kept(const FrameTable& table, const FrameEntry& frame, const SampleBox& box) {
-  if (table.mask_sums.empty()) return true;
-  constexpr double room = 1e-3;  // px, beyond rounding
-  const auto taps = [&](const AffineScalar& axis, int size) {
-    const Span feet = span_of(axis, box);
-    const auto pixel = [&](double at) {
-      return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
-    };
-    return std::pair(pixel(feet.lowest - room), pixel(feet.highest + room + 1));
-  };
-  const auto [left, right] = taps(frame.x_px, frame.width);
-  const auto [top, bottom] = taps(frame.y_px, frame.height);
-  return table.mask_sums.kept(left, top, right, bottom) ==
-         static_cast<std::uint32_t>(right - left + 1) * static_cast<std::uint32_t>(bottom - top + 1);
-}
-
 void lay_out_frames(const Tile& tile, const Chain& chain, const std::vector<Candidate>& candidates, int l,
                     ChainCells& cells) {
   for (const int m : chain.members) {
@@ -114,6 +97,22 @@ void lay_out_frames(const Tile& tile, const Chain& chain, const std::vector<Cand
 }
 
 }  // namespace
+
+bool all_taps_kept(const FrameTable& table, const FrameEntry& frame, const SampleBox& box) {
+  if (table.mask_sums.empty()) return true;
+  constexpr double room = 1e-3;  // px, beyond rounding
+  const auto taps = [&](const AffineScalar& axis, int size) {
+    const Span feet = span_of(axis, box);
+    const auto pixel = [&](double at) {
+      return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
+    };
+    return std::pair(pixel(feet.lowest - room), pixel(feet.highest + room + 1));
+  };
+  const auto [left, right] = taps(frame.x_px, frame.width);
+  const auto [top, bottom] = taps(frame.y_px, frame.height);
+  return table.mask_sums.kept(left, top, right, bottom) ==
+         static_cast<std::uint32_t>(right - left + 1) * static_cast<std::uint32_t>(bottom - top + 1);
+}
 
 void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
              const std::vector<Candidate>& candidates, const SampleBox& box, int l,

@@ -19,6 +19,9 @@ struct ChainCells {
   bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask
 };
 
+// The mask keeps every tap of every foot in the box.
+bool all_taps_kept(const FrameTable& table, const FrameEntry& frame, const SampleBox& box);
+
 // Of the samples of `box`, which lie in the tile; layer 0 of the cells is layer l. `chain` is of
 // `candidates`, which are some of the tile's.
 void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,

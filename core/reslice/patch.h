@@ -207,6 +207,15 @@ struct OffsetSpan {
   std::int32_t least = 0, greatest = 0;
 };
 
+// A picture as kernels read it.
+struct PictureRows {
+  const std::uint8_t* pixels = nullptr;
+  std::ptrdiff_t stride = 0;
+  int width = 0, height = 0;
+};
+
+constexpr int least_turned_px = 16;  // the least width of a picture that is turned
+
 // The vector code, one set for each instruction set; the best the processor has is chosen at run time. All
 // sets give the same bits.
 struct PatchKernels {
@@ -275,6 +284,11 @@ struct PatchKernels {
   // masks[l] &= lanes whose four taps, those beyond the edge not counted, are all in the mask.
   void (*taps_inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
                       const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
+
+  // Pixel (left + i, top + j) to to[i * to_stride + j], for i < columns and j < rows rounded up to 16; beyond
+  // the picture the nearest of it. One of the columns at least must be the picture's.
+  void (*turn)(const PictureRows& picture, int left, int top, int columns, int rows, std::uint8_t* to,
+               std::ptrdiff_t to_stride);
 };
 
 const PatchKernels& patch_kernels();

@@ -13,6 +13,7 @@
 #include "core/reslice/patch_linear_plain-inl.h"
 #include "core/reslice/patch_plain-inl.h"
 #include "core/reslice/patch_rulings-inl.h"
+#include "core/reslice/patch_turn-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
 #include "core/reslice/patch_chain_vbmi-inl.h"
 #include "core/reslice/patch_linear_chain_vbmi-inl.h"
@@ -387,7 +388,7 @@ HWY_ATTR const PatchKernels& kernels_of_target() {
   static constexpr PatchKernels kernels{
       HWY_TARGET,     lay_lanes,       thresholds, take_chain, lay_share, blend_chain, take_chain_apart,
       lane_positions, split_positions, hold,       half_space, inside,    take,        take_rulings,
-      blend,          taps_inside};
+      blend,          taps_inside,     turn};
   return kernels;
 }
 

@@ -2,69 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "core/reslice/chain_cells.h"
+#include "core/reslice/patch_shape.h"
 
 namespace sonoband {
 namespace {
 
 FixedPx fixed(double px) {
   return std::llround(px * fixed_per_px);
-}
-
-// Of one frame and layer, in instructions or so.
-struct FetchCosts {
-  double rows, row;  // of few pixel rows: in all, and of each
-  double window;
-  double single;
-  double window_px;  // greatest span of lanes that fits
-  double edge;       // by how much a patch in which pictures end costs more, as a part of one of a chain
-};
-constexpr FetchCosts nearest_costs{12, 5, 22, 150, 13.5, 2};
-constexpr FetchCosts linear_costs{70, 12, 90, 800, 12.5, 5};
-
-// Asks for the pixels the tile will take from a frame: the memory's answers overlap, where the kernels' would
-// come one by one.
-void prefetch(const FrameTable& table, const Lattice& lattice, const LatticeBlock& tile, const TileFrame& t,
-              const Candidate& candidate) {
-  const FrameEntry& f = table.frames[candidate.frame];
-  // The range of each axis in which the frame is within reach at all.
-  const AffineScalar z = oriented_z(f);
-  const double reach = f.gap_mm;
-  const std::array<double, 3> per = {z.gradient.dot(lattice.per_sample), z.gradient.dot(lattice.per_row),
-                                     z.gradient.dot(lattice.per_layer)};
-  const std::array<int, 3> size = {tile.width - 1, tile.height - 1, tile.depth - 1};
-  const double half_range = (candidate.z.highest - candidate.z.lowest) / 2;
-  std::array<double, 3> low{}, high{};
-  for (int i = 0; i < 3; ++i) {
-    low[i] = 0;
-    high[i] = size[i];
-    if (std::abs(per[i]) < 1e-6) continue;
-    const double others = half_range - std::abs(per[i]) * size[i] / 2 + reach;
-    const double centre = size[i] / 2.0 - candidate.z_centre / per[i], width = others / std::abs(per[i]);
-    low[i] = std::clamp(centre - width, 0.0, static_cast<double>(size[i]));
-    high[i] = std::clamp(centre + width, low[i], static_cast<double>(size[i]));
-  }
-  const auto range = [&](FixedPx at, FixedPx a, FixedPx b, FixedPx l) {
-    const std::array<FixedPx, 3> steps = {a, b, l};
-    double least = static_cast<double>(at), greatest = least;
-    for (int i = 0; i < 3; ++i) {
-      const double from = static_cast<double>(steps[i]) * low[i],
-                   to = static_cast<double>(steps[i]) * high[i];
-      least += std::min(from, to);
-      greatest += std::max(from, to);
-    }
-    return std::pair(least / fixed_per_px, greatest / fixed_per_px);
-  };
-  const auto [left, right] = range(t.at.x, t.at.x_per_sample, t.at.x_per_row, t.at.x_per_layer);
-  const auto [top, bottom] = range(t.at.y, t.at.y_per_sample, t.at.y_per_row, t.at.y_per_layer);
-  const int x0 = static_cast<int>(std::clamp(left, 0.0, f.width - 1.0));
-  const int x1 = static_cast<int>(std::clamp(right, 0.0, f.width - 1.0));
-  const int y0 = static_cast<int>(std::clamp(top, 0.0, f.height - 1.0));
-  const int y1 = static_cast<int>(std::clamp(bottom, 0.0, f.height - 1.0));
-  for (int y = y0; y <= y1; ++y) {
-    const std::uint8_t* row = f.pixels + y * f.stride;
-    for (int x = x0; x < x1 + 64; x += 64) __builtin_prefetch(row + std::min(x, x1), 0, 2);
-  }
 }
 
 }  // namespace
@@ -91,153 +37,47 @@ LaneMask existing_lanes(const LaneGrid& grid, int a, int b, int width, int heigh
   return lanes;
 }
 
-namespace {
-
-// What a frame's foot and distance move by.
-struct TileSteps {
-  double x_per_sample, x_per_row, y_per_sample, y_per_row, z_per_sample, z_per_row;
-};
-
-// By how much feet and distance vary over a patch's lanes; how many more patches a tile takes.
-struct ShapeSpan {
-  double columns, rows, mm, waste;
-
-  ShapeSpan(int width, int height, const TileSteps& steps)
-      : columns(std::abs(steps.x_per_sample) * width + std::abs(steps.x_per_row) * height),
-        rows(std::abs(steps.y_per_sample) * width + std::abs(steps.y_per_row) * height),
-        mm(std::abs(steps.z_per_sample) * width + std::abs(steps.z_per_row) * height),
-        waste(1) {}
-  ShapeSpan(LaneShape shape, const TileSteps& steps) {
-    const double w = shape.across - 1, h = shape.down() - 1;
-    const auto span = [&](double per_sample, double per_row) {
-      if (shape.rows_per_sample != 0) {
-        return std::abs(per_sample + shape.rows_per_sample * per_row) * w + std::abs(per_row) * (h + 1);
-      }
-      if (shape.samples_per_row != 0) {
-        return std::abs(per_row + shape.samples_per_row * per_sample) * h + std::abs(per_sample) * (w + 1);
-      }
-      return std::abs(per_sample) * w + std::abs(per_row) * h;
-    };
-    columns = span(steps.x_per_sample, steps.x_per_row);
-    rows = span(steps.y_per_sample, steps.y_per_row);
-    mm = span(steps.z_per_sample, steps.z_per_row);
-    const auto more = [](double shift, int side) { return std::ceil(shift / side) * side / tile_pixels; };
-    waste = 1 + more(std::abs(shape.rows_per_sample) * w, shape.down()) +
-            more(std::abs(shape.samples_per_row) * h, shape.across);
-  }
-};
-
-// Which edges of pictures, or of the mask, run through a tile that is no chain.
-struct Edges {
-  bool sides = false, ends = false;  // of pixel rows; of pixel columns
-
-  explicit Edges(const Tile& tile) {
-    if (tile.is_chain) return;
-    for (const Candidate& c : tile.candidates) {
-      if (c.full) continue;
-      const FrameEntry& f = tile.table->frames[c.frame];
-      const auto ends_within = [&](const AffineScalar& axis, int size) {
-        const Span feet = span_of(axis, tile.box);
-        return feet.lowest < -0.5 || feet.highest > size - 0.5;
-      };
-      sides = sides || ends_within(f.x_px, f.width);
-      ends = ends || ends_within(f.y_px, f.height);
-    }
-    // The mask's may run any way.
-    if (!sides && !ends) sides = ends = true;
-  }
-};
-
-// The part of a tile's patches that an edge runs through: `patch` and `tile` span so many pixels across it in
-// a layer, and `depth` more over all of them.
-double part_at_edge(double patch, double tile, double depth) {
-  return std::min(1.0, (patch + depth + 1) / (tile + depth + 1));
-}
-
-// A rectangle, and such sheared along the frames' traces.
-template <class Try>
-void try_shapes(int across, bool may_shear, const TileSteps& steps, Try&& try_shape) {
-  // Steeper ones waste more than they save.
-  constexpr double steepest = 2;
-  try_shape(LaneShape{across});
-  if (!may_shear) return;
-  const double za = steps.z_per_sample, zb = steps.z_per_row;
-  if (across > 1 && std::abs(za) < steepest * std::abs(zb)) try_shape(LaneShape{across, 0, -za / zb});
-  if (across < patch_lanes && std::abs(zb) < steepest * std::abs(za))
-    try_shape(LaneShape{across, -zb / za, 0});
-}
-
-}  // namespace
-
-LaneShape Tile::choose_shape(const Lattice& lattice, Interpolation interpolation, bool may_shear) const {
-  const Candidate& middle = *std::min_element(
-      candidates.begin(), candidates.end(),
-      [](const Candidate& a, const Candidate& b) { return std::abs(a.z_centre) < std::abs(b.z_centre); });
-  const FrameEntry& f = table->frames[middle.frame];
-  const auto per = [&](const AffineScalar& g, const Eigen::Vector3d& step) { return g.gradient.dot(step); };
-  const TileSteps steps{per(f.x_px, lattice.per_sample), per(f.x_px, lattice.per_row),
-                        per(f.y_px, lattice.per_sample), per(f.y_px, lattice.per_row),
-                        per(f.z_mm, lattice.per_sample), per(f.z_mm, lattice.per_row)};
-  const double xl = std::abs(per(f.x_px, lattice.per_layer)), yl = std::abs(per(f.y_px, lattice.per_layer));
-  double spacing = std::max(2 * f.gap_mm, 1e-3);
-  if (is_chain && chain.members.size() > 1) {
-    const double mm = candidates[chain.members.front()].z_centre - candidates[chain.members.back()].z_centre;
-    spacing = std::max(mm / static_cast<double>(chain.members.size() - 1), 1e-3);
-  }
-  const double frames_per_layer = std::abs(per(f.z_mm, lattice.per_layer)) / spacing;
-  const FetchCosts& costs = interpolation == Interpolation::linear ? linear_costs : nearest_costs;
-  const Edges edges(*this);
-  const ShapeSpan whole(block.width, block.height, steps);
-  const auto at_edges = [&](const ShapeSpan& span) {
-    double part = 0;
-    if (edges.sides) part += part_at_edge(span.columns, whole.columns, xl * block.depth);
-    if (edges.ends) part += part_at_edge(span.rows, whole.rows, yl * block.depth);
-    return std::min(part, 1.0);
-  };
-  LaneShape best;
-  double least = 1e30;
-  for (int across = patch_lanes; across >= 1; across /= 2) {
-    try_shapes(across, may_shear, steps, [&](const LaneShape& tried) {
-      const ShapeSpan span(tried, steps);
-      double cost = costs.single;
-      if (span.columns < 125 && span.rows < 24) cost = costs.rows + costs.row * (span.rows + 1);
-      if (span.columns < costs.window_px && span.rows < costs.window_px) {
-        const double room = costs.window_px + 1;
-        const double reloads =
-            std::max({xl / (room - span.columns), yl / (room - span.rows), frames_per_layer});
-        cost = std::min(cost, costs.window + 30 * std::min(1.0, reloads));
-      }
-      // Lane by lane the tables of sheared lanes might not hold.
-      if (cost == costs.single && tried.sheared()) return;
-      cost *= (1 + span.mm / spacing) * span.waste * (1 + costs.edge * at_edges(span));
-      // A shear must be worth its ragged edges.
-      if (tried.sheared()) cost *= 1.15;
-      if (cost >= least) return;
-      least = cost;
-      best = tried;
-    });
-  }
-  return best;
-}
-
-void Tile::make_frames(const Lattice& lattice, int a, int b, int taps) {
+void Tile::place_frames(const Lattice& lattice, int a, int b) {
   if (frames.size() < candidates.size()) frames.resize(candidates.size());
   const Eigen::Vector3d origin = lattice.at(a, b, 0);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const FrameEntry& f = table->frames[candidates[c].frame];
-    TileFrame& t = frames[c];
+    ChainFrame& at = frames[c].at;
+    at.x = fixed_position(f.x_px.at(origin));
+    at.y = fixed_position(f.y_px.at(origin));
+    at.x_per_sample = fixed(f.x_px.gradient.dot(lattice.per_sample));
+    at.x_per_row = fixed(f.x_px.gradient.dot(lattice.per_row));
+    at.x_per_layer = fixed(f.x_px.gradient.dot(lattice.per_layer));
+    at.y_per_sample = fixed(f.y_px.gradient.dot(lattice.per_sample));
+    at.y_per_row = fixed(f.y_px.gradient.dot(lattice.per_row));
+    at.y_per_layer = fixed(f.y_px.gradient.dot(lattice.per_layer));
+  }
+}
+
+void Tile::make_patches(const Lattice& lattice, int taps) {
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const FrameEntry& f = table->frames[candidates[c].frame];
     const FootSteps steps{f.x_px.gradient.dot(lattice.per_sample), f.x_px.gradient.dot(lattice.per_row),
                           f.y_px.gradient.dot(lattice.per_sample), f.y_px.gradient.dot(lattice.per_row)};
-    make_patch_frame(f, steps, grid, taps, t.patch);
-    t.at.x = fixed_position(f.x_px.at(origin));
-    t.at.y = fixed_position(f.y_px.at(origin));
-    t.at.x_per_sample = fixed(steps.x_per_sample);
-    t.at.x_per_row = fixed(steps.x_per_row);
-    t.at.x_per_layer = fixed(f.x_px.gradient.dot(lattice.per_layer));
-    t.at.y_per_sample = fixed(steps.y_per_sample);
-    t.at.y_per_row = fixed(steps.y_per_row);
-    t.at.y_per_layer = fixed(f.y_px.gradient.dot(lattice.per_layer));
+    if (turned) {
+      make_patch_frame(turned_parts.picture(c),
+                       {steps.y_per_sample, steps.y_per_row, steps.x_per_sample, steps.x_per_row}, grid, taps,
+                       frames[c].patch);
+    } else {
+      make_patch_frame(f, steps, grid, taps, frames[c].patch);
+    }
   }
+}
+
+// Kernels take turned frames only where they take the whole tile as one chain.
+bool Tile::may_turn(Interpolation interpolation) const {
+  if (!is_chain || block.depth > patch_layers) return false;
+  const bool linear = interpolation == Interpolation::linear;
+  if (linear && table->kind != PixelKind::grey) return false;
+  return std::all_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+    const FrameEntry& f = table->frames[c.frame];
+    return f.width >= least_turned_px && (!linear || all_taps_kept(*table, f, box));
+  });
 }
 
 int Tile::index_of(int frame) const {
@@ -279,11 +119,29 @@ void Tile::thin(Interpolation interpolation, double thin_mm, LeftOut& count) {
 }
 
 void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_shear) {
-  shape = choose_shape(lattice, interpolation, may_shear && is_chain);
+  place_frames(lattice, block.a, block.b);
+  PatchFreedom may{may_shear && is_chain, may_turn(interpolation), 0};
+  std::vector<double> reaches;
+  if (may.turn) reaches = chain_reaches(*table, candidates, chain, box, interpolation);
+  parts.clear();
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const FrameEntry& f = table->frames[candidates[c].frame];
+    const double reach = may.turn ? reaches[c] : f.gap_mm;
+    parts.push_back(part_within(reach, f, candidates[c], lattice, block, frames[c].at));
+    prefetch(f, parts.back());
+    may.turned_pixels += static_cast<double>(parts.back().columns()) * parts.back().rows();
+  }
+  const PatchChoice choice = choose_patches(*this, lattice, interpolation, may);
+  shape = choice.shape;
+  turned = choice.turned;
   grid = lane_grid(shape);
-  make_frames(lattice, block.a, block.b, interpolation == Interpolation::linear ? 2 : 1);
-  for (std::size_t c = 0; c < candidates.size(); ++c)
-    prefetch(*table, lattice, block, frames[c], candidates[c]);
+  if (turned) {
+    turned_parts.clear();
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      turned_parts.add(table->frames[candidates[c].frame], parts[c], frames[c].at);
+    turned_parts.lay_out();
+  }
+  make_patches(lattice, interpolation == Interpolation::linear ? 2 : 1);
 }
 
 }  // namespace sonoband

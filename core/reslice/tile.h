@@ -6,6 +6,7 @@
 #include "core/reslice/chain.h"
 #include "core/reslice/lattice.h"
 #include "core/reslice/patch.h"
+#include "core/reslice/picture_part.h"
 
 namespace sonoband {
 
@@ -37,6 +38,9 @@ struct Tile {
   std::vector<TileFrame> frames;      // theirs; may be longer
   bool is_chain = false;              // candidates are `chain` throughout the tile
   Chain chain;
+  std::vector<PicturePart> parts;  // of the candidates' pictures, that the tile takes
+  bool turned = false;             // frames are the turned parts, not the pictures themselves
+  TurnedParts turned_parts;
 
   // Finds the candidates of the tile at sample a, row b, and whether they are a chain. False where no frame
   // reaches it. `near` are those of the table that may matter, ascending.
@@ -44,17 +48,19 @@ struct Tile {
             Interpolation interpolation, int a, int b);
   // Thins a chain to `thin_mm` by the rule of chain.h.
   void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
-  // Makes what patches share of the candidates, and asks for their pixels.
+  // Makes what patches share of the candidates, and asks for their pixels. Where `turned`, turned_parts are
+  // to be turned before a patch is painted: by then the pixels are there.
   void open(const Lattice& lattice, Interpolation interpolation, bool may_shear);
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 
-  // The patch that spans fewest frames and pixel rows.
-  LaneShape choose_shape(const Lattice& lattice, Interpolation interpolation, bool may_shear) const;
-  // `taps`: pixels along x and along y that a sample takes: 1 nearest, 2 linear.
-  void make_frames(const Lattice& lattice, int a, int b, int taps);
+  // Candidates' positions from sample a of row b on.
+  void place_frames(const Lattice& lattice, int a, int b);
+  // Their patches, of `grid`. `taps`: pixels along x and along y that a sample takes: 1 nearest, 2 linear.
+  void make_patches(const Lattice& lattice, int taps);
 
  private:
+  bool may_turn(Interpolation interpolation) const;
   void keep_chain_only();
 };
 

@@ -1,4 +1,4 @@
-// Patches sheared along the frames' traces.
+// Patches sheared along the frames' traces, and of frames turned.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -77,11 +77,12 @@ void add_frames(test::TestSweep& sweep, double spacing_mm) {
   }
 }
 
-// Planes in which frames' traces run at an angle, well inside the pictures.
+// Planes in which frames' traces run at an angle, or pixel columns along them, well inside the pictures.
 std::vector<ReslicePlane> slanted_planes() {
   std::vector<ReslicePlane> planes;
-  for (const auto& [x, y, z] : {std::array{90.0, 0.0, 45.0}, std::array{90.0, 0.0, 3.0},
-                                std::array{90.0, 0.0, 120.0}, std::array{35.0, 40.0, 25.0}}) {
+  for (const auto& [x, y, z] :
+       {std::array{90.0, 0.0, 45.0}, std::array{90.0, 0.0, 3.0}, std::array{90.0, 0.0, 120.0},
+        std::array{35.0, 40.0, 25.0}, std::array{0.0, -90.0, 0.0}, std::array{0.0, -90.0, 10.0}}) {
     const Eigen::Matrix3d axes = (Eigen::AngleAxisd(x * M_PI / 180, Eigen::Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(y * M_PI / 180, Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(z * M_PI / 180, Eigen::Vector3d::UnitZ()))
@@ -119,7 +120,7 @@ TEST_P(ShearedPatchesOf, FramesGiveTheReferencesPictures) {
   RenderSettings settings;
   settings.band = {2, 0.2};
   Serial serial;
-  int sheared = 0;
+  int sheared = 0, turned = 0;
   for (const ReslicePlane& plane : slanted_planes()) {
     for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
       settings.interpolation = interpolation;
@@ -143,9 +144,46 @@ TEST_P(ShearedPatchesOf, FramesGiveTheReferencesPictures) {
       ASSERT_TRUE(tile.is_chain);
       tile.open(own, interpolation, true);
       sheared += tile.shape.sheared() ? 1 : 0;
+      turned += tile.turned ? 1 : 0;
     }
   }
   EXPECT_GE(sheared, 3) << "the planes are of no use here";
+  EXPECT_GE(turned, 2) << "the planes are of no use here";
+}
+
+// A plane along the sweep whose first rows and layers lie before the pictures' first pixels, by less than
+// half of one, and one at their other ends: taps beyond an edge count as the edge.
+TEST(TurnedFrames, EndAtThePicturesEdges) {
+  test::TestSweep sweep;
+  std::mt19937_64 random(8);
+  constexpr int width = 60, height = 70;
+  for (int i = 0; i < 50; ++i) {
+    sweep.add(width, height, test::image_pose(Eigen::Matrix3d::Identity(), {0, 0, 0.43 * i}, 0.2),
+              [&](int, int, const Eigen::Vector3d&) { return static_cast<std::uint8_t>(random()); });
+  }
+  RenderSettings settings;
+  settings.band = {4, 0.2};
+  Serial serial;
+  const double half_mm = settings.band.offset_mm(settings.band.layers() - 1);
+  for (const bool last : {false, true}) {
+    const double x = last ? (width - 1 + 0.3) * 0.2 - half_mm : -0.3 * 0.2 + half_mm;
+    const double y = last ? (height - 1 + 0.4 - 63) * 0.2 : -0.4 * 0.2;
+    const ReslicePlane plane =
+        *make_plane({x, y, 3}, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), 64, 64, 0.2);
+    for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
+      settings.interpolation = interpolation;
+      settings.compounding = Compounding::mean;
+      const BandImage image = render_planar(sweep.view(), plane, settings, serial);
+      const test::Difference d = test::compare(image, test::reference_planar(sweep.view(), plane, settings));
+      EXPECT_GE(interpolation == Interpolation::nearest ? d.equal_share() : d.close_share(), 0.999);
+      const Lattice lattice = *lattice_of(plane_lines(plane, settings.band));
+      const FrameTable seen = seen_from(lattice, make_frame_table(sweep.view(), settings.gap));
+      Tile tile;
+      ASSERT_TRUE(tile.find(seen, in_own_coordinates(lattice), all_frames(seen), interpolation, 0, 0));
+      tile.open(in_own_coordinates(lattice), interpolation, true);
+      EXPECT_TRUE(tile.turned) << "the plane is of no use here";
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Spacings, ShearedPatchesOf, testing::Values(0.5, 0.15));
