@@ -6,11 +6,10 @@
 namespace sonoband {
 namespace {
 
-// A thinner band is painted whole in the time of its blocks.
-constexpr int least_layers = 2 * RollingBand::block_layers;
-// A layer that is painted apart costs four to ten times its share of the whole band: so many at once are
-// never dearer than a band of 14 mm.
-constexpr int most_missing = RollingBand::block_layers;
+// A thinner band is painted whole in less than the time of a block.
+constexpr int least_layers = RollingBand::block_layers;
+// A layer that is painted apart costs two to four times its share of the whole band.
+constexpr int most_share = 4;
 
 using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point begun) {
@@ -39,10 +38,10 @@ std::optional<BandImage> DragLayers::render(PreparedSweep& sweep, const ResliceP
   // Got ready they come in whole blocks, in a step one by one: whichever was dearer.
   const double layer_ms = std::max(ready_ms_, step_ms_);
   const bool cheaper = layer_ms > 0 && *missing * layer_ms < whole_ms;
-  if (*missing > most_missing && !cheaper) return std::nullopt;
+  if (*missing * most_share > settings.band.layers() && !cheaper) return std::nullopt;
   const auto begun = Clock::now();
   BandImage band = band_.render(sweep, plane, settings, parallel);
-  if (*missing >= most_missing / 2) step_ms_ = ms_since(begun) / *missing;
+  if (*missing > 0) step_ms_ = ms_since(begun) / *missing;
   return band;
 }
 

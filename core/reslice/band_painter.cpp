@@ -48,9 +48,9 @@ void BandPainter::blank(const LatticeBlock& block) {
       std::fill_n(layers_->values_row(l, y) + block.a, block.width, missing);
     }
   }
-  const auto others = static_cast<std::uint8_t>(~LayerBlock::bits(block.l, block.depth));
+  const auto others = static_cast<std::uint16_t>(~LayerBlock::bits(block.l, block.depth));
   for (int y = block.b; y < block.b + block.height; ++y) {
-    std::uint8_t* has = layers_->has_data.view().row(y) + block.a;
+    std::uint16_t* has = layers_->has_data.view().row(y) + block.a;
     for (int x = 0; x < block.width; ++x) has[x] &= others;
   }
 }
@@ -62,7 +62,7 @@ int BandPainter::paint_layers(const ChainCells& cells, PatchSite site, int first
   if (!linear_) {
     const std::uint8_t missing = rule_ == Rule::minimum ? 255 : 0;
     for (int l = 0; l < layers; ++l) apart_.values[l].fill(missing);
-    std::fill_n(apart_.has_data.begin(), layers, LaneMask{0});
+    apart_.has_data.fill(0);
     const int count = static_cast<int>(cells.boundaries.size()) - 1;
     const int start =
         patch_kernels().take_chain_apart(cells.frames.data(), cells.boundaries.data(), count, site, apart_);

@@ -37,21 +37,20 @@ HWY_ATTR void fold(const std::uint8_t* const* rows, int count, bool minimum, int
   }
 }
 
-HWY_ATTR void count(const std::uint8_t* has_data, std::uint8_t layers, bool add, int width,
+HWY_ATTR void count(const std::uint16_t* has_data, std::uint16_t layers, bool add, int width,
                     std::uint16_t* counts) {
   const Words d;
-  const hn::Rebind<std::uint8_t, Words> bytes;
   const int step = static_cast<int>(hn::Lanes(d));
-  const auto wanted = hn::Set(bytes, layers);
+  const auto wanted = hn::Set(d, layers);
   int x = 0;
   for (; x + step <= width; x += step) {
-    const auto has = hn::PromoteTo(d, hn::PopulationCount(hn::And(hn::LoadU(bytes, has_data + x), wanted)));
+    const auto has = hn::PopulationCount(hn::And(hn::LoadU(d, has_data + x), wanted));
     const auto old = hn::LoadU(d, counts + x);
     hn::StoreU(add ? hn::Add(old, has) : hn::Sub(old, has), d, counts + x);
   }
   const int sign = add ? 1 : -1;
   for (; x < width; ++x) {
-    const int has = std::popcount(static_cast<std::uint8_t>(has_data[x] & layers));
+    const int has = std::popcount(static_cast<std::uint16_t>(has_data[x] & layers));
     counts[x] = static_cast<std::uint16_t>(counts[x] + sign * has);
   }
 }

@@ -11,7 +11,7 @@ struct LayerKernels {
   void (*fold)(const std::uint8_t* const* rows, int count, bool minimum, int width, std::uint8_t* out);
 
   // Adds to, or takes from, how many layers have data: those of a block's row whose bits are in `layers`.
-  void (*count)(const std::uint8_t* has_data, std::uint8_t layers, bool add, int width,
+  void (*count)(const std::uint16_t* has_data, std::uint16_t layers, bool add, int width,
                 std::uint16_t* counts);
 
   // Adds a layer's row to, or takes it from, sums; values without data are 0.

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "core/reslice/frame_table.h"
+#include "core/reslice/layer_block.h"
 
 namespace sonoband {
 
@@ -90,8 +91,8 @@ struct alignas(64) PatchSums {
 
 // A patch's layers apart.
 struct alignas(64) PatchLayers {
-  std::array<std::array<std::uint8_t, patch_lanes>, patch_layers> values;
-  std::array<LaneMask, patch_layers> has_data;
+  std::array<std::array<std::uint8_t, patch_lanes>, LayerBlock::most_layers> values;
+  std::array<std::uint16_t, patch_lanes> has_data;  // of a lane; bit l: of layer l
 };
 
 enum class Rule : std::uint8_t { maximum, minimum, mean_grey, mean_doppler };

@@ -107,11 +107,23 @@ struct ToSums {
 // Or its layers apart.
 struct ToLayers {
   PatchLayers* layers;
-  HWY_ATTR HWY_INLINE void add(int l, LaneMask m, __m512i values) const {
-    _mm512_mask_storeu_epi8(layers->values[l].data(), m, values);
-    layers->has_data[l] |= m;
+  __m512i has_data[2];
+  HWY_ATTR explicit ToLayers(PatchLayers& to)
+      : layers(&to),
+        has_data{_mm512_load_si512(to.has_data.data()), _mm512_load_si512(to.has_data.data() + 32)} {}
+  // Whole vectors are stored: what a masked store leaves cannot be read again until it is in the cache.
+  HWY_ATTR HWY_INLINE void add(int l, LaneMask m, __m512i values) {
+    std::uint8_t* to = layers->values[l].data();
+    _mm512_store_si512(to, _mm512_mask_mov_epi8(_mm512_load_si512(to), m, values));
+    const auto bit = static_cast<short>(1 << l);
+    has_data[0] = _mm512_or_si512(has_data[0], _mm512_maskz_set1_epi16(static_cast<__mmask32>(m), bit));
+    has_data[1] = _mm512_or_si512(has_data[1], _mm512_maskz_set1_epi16(static_cast<__mmask32>(m >> 32), bit));
   }
-  HWY_ATTR void take(const PatchFrame& f, int l, FixedPx x, FixedPx y, LaneMask m) const {
+  HWY_ATTR void store() const {
+    _mm512_store_si512(layers->has_data.data(), has_data[0]);
+    _mm512_store_si512(layers->has_data.data() + 32, has_data[1]);
+  }
+  HWY_ATTR void take(const PatchFrame& f, int l, FixedPx x, FixedPx y, LaneMask m) {
     alignas(64) std::uint8_t values[patch_lanes];
     fetch_single(f, x, y, values);
     add(l, m, _mm512_load_si512(values));
@@ -190,8 +202,10 @@ HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* bounda
 
 HWY_ATTR inline int take_chain_apart(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                                      const PatchSite& site, PatchLayers& layers) {
-  ToLayers apart{&layers};
-  return take_chain_to(frames, boundaries, count, site, apart);
+  ToLayers apart(layers);
+  const int start = take_chain_to(frames, boundaries, count, site, apart);
+  apart.store();
+  return start;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -231,7 +231,8 @@ HWY_ATTR int take_chain_apart(const ChainFrame* frames, const ChainBoundary* bou
     std::uint8_t* out = layers.values[l].data();
     for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d))
       hn::Store(hn::IfThenElse(lanes_of(mask, k), hn::Load(d, values + k), hn::Load(d, out + k)), d, out + k);
-    layers.has_data[l] |= mask;
+    for (int k = 0; k < patch_lanes; ++k)
+      layers.has_data[k] = static_cast<std::uint16_t>(layers.has_data[k] | (mask >> k & 1) << l);
   });
 }
 

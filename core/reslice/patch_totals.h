@@ -68,8 +68,8 @@ class PatchTotals {
 
   // Of a single layer.
   void store(LayerBlock& block, int layer, int x, int y, LaneShape shape) {
-    LaneBytes has;
-    for (int k = 0; k < patch_lanes; ++k) has[k] = static_cast<std::uint8_t>(piece_.count[k] << layer);
+    LaneMarks has;
+    for (int k = 0; k < patch_lanes; ++k) has[k] = static_cast<std::uint16_t>(piece_.count[k] << layer);
     const LanesAt at{x, y, block.width, block.values.height(), shape};
     put_lanes(piece_.extreme.data(), at, [&](int row) { return block.values_row(layer, row); });
     put_marks(has, LayerBlock::bits(layer, 1), block, at);
@@ -80,19 +80,16 @@ class PatchTotals {
     const LanesAt at{x, y, block.width, block.values.height(), shape};
     for (int l = 0; l < depth; ++l)
       put_lanes(layers.values[l].data(), at, [&](int row) { return block.values_row(first + l, row); });
-    LaneBytes has;
-    for (int i = 0; i < patch_lanes / 8; ++i) {
-      std::uint64_t bits = 0;  // byte l: lanes 8 i and on of layer l
-      for (int l = 0; l < depth; ++l) bits |= (layers.has_data[l] >> (8 * i) & 0xff) << (8 * (first + l));
-      const std::uint64_t lanes = transposed(bits);
-      std::memcpy(has.data() + 8 * i, &lanes, 8);
-    }
+    LaneMarks has = layers.has_data;
+    if (first > 0)
+      for (std::uint16_t& h : has) h = static_cast<std::uint16_t>(h << first);
     put_marks(has, LayerBlock::bits(first, depth), block, at);
   }
 
  private:
   using LaneBytes = std::array<std::uint8_t, patch_lanes>;
   using LaneCounts = std::array<std::uint16_t, patch_lanes>;
+  using LaneMarks = std::array<std::uint16_t, patch_lanes>;
   // Of all pieces.
   void compound(LaneBytes& values, LaneCounts& counts) {
     const bool mean = rule_ == Rule::mean_grey || rule_ == Rule::mean_doppler;
@@ -113,33 +110,21 @@ class PatchTotals {
       for (int k = 0; k < patch_lanes; ++k) values[k] = counts[k] != 0 ? values[k] : std::uint8_t{0};
     }
   }
-
   // Where lane 0 is in a picture.
   struct LanesAt {
     int x, y, picture_width, picture_height;
     LaneShape shape;
   };
-  // Eight bytes of eight bits: bit j of byte i becomes bit i of byte j (Warren, Hacker's Delight, 7-3).
-  static std::uint64_t transposed(std::uint64_t bits) {
-    const auto swap = [&](int by, std::uint64_t which) {
-      const std::uint64_t unequal = (bits ^ (bits >> by)) & which;
-      bits ^= unequal ^ (unequal << by);
-    };
-    swap(7, 0x00aa00aa00aa00aaULL);
-    swap(14, 0x0000cccc0000ccccULL);
-    swap(28, 0x00000000f0f0f0f0ULL);
-    return bits;
-  }
   // `has` of the layers whose bits are in `which`; the others' stay.
-  static void put_marks(LaneBytes& has, std::uint8_t which, LayerBlock& block, const LanesAt& at) {
+  static void put_marks(LaneMarks& has, std::uint16_t which, LayerBlock& block, const LanesAt& at) {
     const auto row_at = [&](int row) { return block.has_data.view().row(row); };
     if (which != LayerBlock::bits(0, block.layers)) {
       const int width = std::min(at.shape.across, at.picture_width - at.x);
       const int height = std::min(at.shape.down(), at.picture_height - at.y);
       for (int row = 0; row < height; ++row) {
         for (int i = 0; i < width; ++i) {
-          std::uint8_t& h = has[row * at.shape.across + i];
-          h = static_cast<std::uint8_t>(h | (row_at(at.y + row)[at.x + i] & ~which));
+          std::uint16_t& h = has[row * at.shape.across + i];
+          h = static_cast<std::uint16_t>(h | (row_at(at.y + row)[at.x + i] & ~which));
         }
       }
     }
@@ -151,13 +136,15 @@ class PatchTotals {
     const int height = std::min(at.shape.down(), at.picture_height - at.y);
     const auto put = [&](auto columns) {
       for (int row = 0; row < height; ++row)
-        std::copy_n(lanes + row * at.shape.across, columns(), row_at(at.y + row) + at.x);
+        std::memcpy(row_at(at.y + row) + at.x, lanes + row * at.shape.across, columns() * sizeof(T));
     };
     // Rows of a known length are stored without a call.
     if (width == 8) {
       put([] { return 8; });
     } else if (width == 16) {
       put([] { return 16; });
+    } else if (width == 64) {
+      put([] { return 64; });
     } else {
       put([&] { return width; });
     }

@@ -1,19 +1,26 @@
 #include "core/reslice/rolling_band.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/reslice/frame_table.h"
-#include "core/reslice/layer_kernels.h"
 #include "core/reslice/paint.h"
 
 namespace sonoband {
 namespace {
 
-constexpr int strip_rows = 16;  // compounded by one thread at a time
 // Of layers got ready, between two looks at the stop flag: about half a millisecond.
-constexpr int portions_in_turn = 4;
+constexpr int portions_in_turn = 2;
+// Of what was forgotten.
+constexpr std::size_t most_spare_blocks = 2, most_spare_runs = 16;
+// For each pixel: which layers of a block have data; counts and sums.
+constexpr std::size_t marks_bytes = 2, sums_bytes = 6;
+
+// How far beside a band of so many layers a block is kept: the next one of a drag always is.
+int room_beside(int layers) {
+  constexpr int half = RollingBand::block_layers / 2;
+  return std::max(layers / 4, half) + half;
+}
 
 bool same_picture(const ReslicePlane& a, const ReslicePlane& b) {
   // Axes that differ by less turn a plane of 1000 pixels by less than a thousandth of a pixel.
@@ -35,12 +42,6 @@ PixelKind kind_of(const PreparedSweep& sweep) {
 bool keeps_layers(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings) {
   return plane.width > 0 && plane.height > 0 &&
          !(kind_of(sweep) == PixelKind::doppler && settings.compounding == Compounding::mean);
-}
-
-// The block that holds a layer; layers may be negative.
-int block_of(int layer) {
-  static_assert((RollingBand::block_layers & (RollingBand::block_layers - 1)) == 0);
-  return layer >> std::countr_zero(static_cast<unsigned>(RollingBand::block_layers));
 }
 
 }  // namespace
@@ -71,8 +72,8 @@ void RollingBand::forget() {
 
 std::size_t RollingBand::bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane_.width, 0)) * std::max(plane_.height, 0);
-  return pixels * ((block_layers + 1) * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
-                   spare_runs_.size() + (blocks_.empty() ? 0 : 6));
+  return pixels * ((block_layers + marks_bytes) * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
+                   spare_runs_.size() + (blocks_.empty() ? 0 : sums_bytes));
 }
 
 bool RollingBand::follows(const PreparedSweep& sweep, const ReslicePlane& plane,
@@ -190,9 +191,11 @@ std::optional<int> RollingBand::layers_missing(const PreparedSweep& sweep, const
 std::size_t RollingBand::most_bytes(const ReslicePlane& plane, const RenderSettings& settings) {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane.width, 0)) * std::max(plane.height, 0);
   const auto layers = static_cast<std::size_t>(settings.band.layers());
-  const std::size_t most_layers = layers + layers / 2 + 32;
-  return pixels *
-         (2 * most_layers + most_layers / block_layers + 6 + 2 * (block_layers + 1) + 2 * block_layers);
+  // The outermost blocks may hold one layer each that is near enough.
+  const std::size_t most_layers = layers + 2 * room_beside(settings.band.layers()) + 2 * (block_layers - 1);
+  const std::size_t blocks = most_layers * (block_layers + marks_bytes) / block_layers + 1;
+  return pixels * (blocks + most_layers + sums_bytes + most_spare_blocks * (block_layers + marks_bytes) +
+                   most_spare_runs);
 }
 
 // Extremes of the other kind: other values where there is no data.
@@ -202,7 +205,7 @@ void RollingBand::fill_gaps(std::uint8_t missing, Parallel& parallel) {
   runs_.clear();
   parallel.for_each(plane_.height, [&](int y) {
     for (auto& [index, block] : blocks_) {
-      const std::uint8_t* has = block.layers.has_data.view().row(y);
+      const std::uint16_t* has = block.layers.has_data.view().row(y);
       for (int l = 0; l < block_layers; ++l) {
         std::uint8_t* values = block.layers.values_row(l, y);
         for (int x = 0; x < plane_.width; ++x) values[x] = (has[x] >> l & 1) != 0 ? values[x] : missing;
@@ -211,26 +214,13 @@ void RollingBand::fill_gaps(std::uint8_t missing, Parallel& parallel) {
   });
 }
 
-RollingBand::Layer RollingBand::layer(int index) const {
-  const int block = block_of(index);
-  return {&blocks_.at(block).layers, index - block * block_layers};
-}
-
-Pixels RollingBand::take_run() {
-  if (spare_runs_.empty()) return {plane_.width, plane_.height};
-  Pixels pixels = std::move(spare_runs_.back());
-  spare_runs_.pop_back();
-  return pixels;
-}
-
 void RollingBand::give_back(Pixels pixels) {
-  if (spare_runs_.size() < 2 * block_layers) spare_runs_.push_back(std::move(pixels));
+  if (spare_runs_.size() < most_spare_runs) spare_runs_.push_back(std::move(pixels));
 }
 
-// Blocks farther from the band than a quarter of its thickness go; what is nearer stays for a drag that turns
-// back.
+// Blocks far from the band go; what is nearer stays for a drag that turns back.
 void RollingBand::forget_far(const Window& band) {
-  const int room = (band.last - band.first + 1) / 4 + block_layers;
+  const int room = room_beside(band.last - band.first + 1);
   const Window kept{block_of(band.first - room), block_of(band.last + room)};
   // What is counted must be at hand to be taken off.
   if (!counted_.empty() && !(kept.holds(block_of(counted_.first)) && kept.holds(block_of(counted_.last))))
@@ -240,7 +230,7 @@ void RollingBand::forget_far(const Window& band) {
       ++entry;
       continue;
     }
-    if (spare_blocks_.size() < 2) spare_blocks_.push_back(std::move(entry->second.layers));
+    if (spare_blocks_.size() < most_spare_blocks) spare_blocks_.push_back(std::move(entry->second.layers));
     entry = blocks_.erase(entry);
   }
   for (auto entry = runs_.begin(); entry != runs_.end();) {
@@ -308,122 +298,6 @@ void RollingBand::paint_missing(const FrameTable& table, const Window& before, c
   ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
   ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
   paint_portions(table, portions, parallel);
-}
-
-std::vector<RollingBand::Run> RollingBand::runs_of(const Window& band) const {
-  std::vector<Run> runs;
-  for (int first = band.first; first <= band.last;) {
-    int level = 0;
-    while ((first & ((2 << level) - 1)) == 0 && first + (2 << level) - 1 <= band.last) ++level;
-    runs.push_back({level, first});
-    first += 1 << level;
-  }
-  return runs;
-}
-
-// Appends to to_build what must be made for a run, halves first.
-void RollingBand::need(const Run& run, std::vector<Run>& to_build) {
-  if (run.level == 0 || runs_.contains(run)) return;
-  need({run.level - 1, run.first}, to_build);
-  need({run.level - 1, run.first + (1 << (run.level - 1))}, to_build);
-  runs_.emplace(run, take_run());
-  to_build.push_back(run);
-}
-
-ConstPixels RollingBand::pixels_of(const Run& run) const {
-  if (run.level > 0) return runs_.at(run).view();
-  const Layer l = layer(run.first);
-  return {l.block->values_row(l.index, 0), plane_.width, plane_.height, l.block->values.width()};
-}
-
-// By block, so that all of its layers are counted in one go.
-std::vector<RollingBand::Marks> RollingBand::marks_of(const std::vector<int>& layers) const {
-  std::vector<Marks> marks;
-  for (const int i : layers) {
-    const Layer l = layer(i);
-    if (marks.empty() || marks.back().block != l.block) marks.push_back({l.block, 0});
-    marks.back().layers = static_cast<std::uint8_t>(marks.back().layers | LayerBlock::bits(l.index, 1));
-  }
-  return marks;
-}
-
-BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
-  const int width = plane_.width, height = plane_.height;
-  const Compounding how = settings_.compounding;
-  const bool mean = how == Compounding::mean, minimum = how == Compounding::minimum;
-
-  // Layers that come and go since the last picture, or all of them where that is less.
-  std::vector<int> come, gone;
-  for (int i = counted_.first; i <= counted_.last; ++i)
-    if (!band.holds(i)) gone.push_back(i);
-  for (int i = band.first; i <= band.last; ++i)
-    if (!counted_.holds(i)) come.push_back(i);
-  const auto layers = static_cast<std::size_t>(band.last - band.first) + 1;
-  const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
-  if (anew) {
-    counts_ = ImageBuffer<std::uint16_t>(width, height);
-    sums_ = mean ? ImageBuffer<std::uint32_t>(width, height) : ImageBuffer<std::uint32_t>();
-    gone.clear();
-    come.clear();
-    for (int i = band.first; i <= band.last; ++i) come.push_back(i);
-    summed_ = mean;
-  }
-  counted_ = band;
-  summed_ = summed_ && mean;
-
-  const std::vector<Run> runs = mean ? std::vector<Run>() : runs_of(band);
-  std::vector<Run> to_build;
-  for (const Run& run : runs) need(run, to_build);
-  struct Build {
-    ConstPixels first, second;
-    Pixels* both;
-  };
-  std::vector<Build> builds;
-  for (const Run& run : to_build) {
-    const int half = 1 << (run.level - 1);
-    builds.push_back({pixels_of({run.level - 1, run.first}), pixels_of({run.level - 1, run.first + half}),
-                      &runs_.at(run)});
-  }
-  std::vector<ConstPixels> parts;
-  for (const Run& run : runs) parts.push_back(pixels_of(run));
-
-  const std::vector<Marks> marks_come = marks_of(come), marks_gone = marks_of(gone);
-  std::vector<ConstPixels> values_come, values_gone;
-  if (mean) {
-    for (const int i : come) values_come.push_back(pixels_of({0, i}));
-    for (const int i : gone) values_gone.push_back(pixels_of({0, i}));
-  }
-
-  BandImage image{Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), PixelKind::grey};
-  const LayerKernels& kernels = layer_kernels();
-  parallel.for_each((height + strip_rows - 1) / strip_rows, [&](int strip) {
-    std::vector<const std::uint8_t*> rows(parts.size());
-    for (int y = strip * strip_rows; y < std::min((strip + 1) * strip_rows, height); ++y) {
-      for (const Build& build : builds) {
-        const std::uint8_t* halves[2] = {build.first.row(y), build.second.row(y)};
-        kernels.fold(halves, 2, minimum, width, build.both->view().row(y));
-      }
-      std::uint16_t* counts = counts_.view().row(y);
-      std::uint32_t* sums = mean ? sums_.view().row(y) : nullptr;
-      const auto count = [&](const Marks& m, bool add) {
-        kernels.count(m.block->has_data.view().row(y), m.layers, add, width, counts);
-      };
-      for (const Marks& m : marks_come) count(m, true);
-      for (const Marks& m : marks_gone) count(m, false);
-      for (const ConstPixels& v : values_come) kernels.sum(v.row(y), true, width, sums);
-      for (const ConstPixels& v : values_gone) kernels.sum(v.row(y), false, width, sums);
-      std::uint8_t* pixels = image.pixels.view().row(y);
-      if (mean) {
-        kernels.mean(sums, counts, width, pixels);
-      } else {
-        for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i].row(y);
-        kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
-        if (minimum) kernels.blank(counts, width, pixels);
-      }
-      std::copy_n(counts, width, image.coverage.view().row(y));
-    }
-  });
-  return image;
 }
 
 }  // namespace sonoband

@@ -10,6 +10,7 @@
 // a mean, are whole numbers: a layer that comes is added, one that goes is taken off.
 #pragma once
 
+#include <bit>
 #include <map>
 #include <optional>
 #include <vector>
@@ -26,8 +27,8 @@ namespace sonoband {
 // render_planar's. The first picture of a plane, and one whose compounding alone differs, is render_planar's
 // itself: layers are painted when the band first moves, in the time of four to six such pictures.
 //
-// Memory: up to 2 1/8 bytes per pixel and layer kept, of at most 1.5 N + 32 layers, and 40 per pixel: 14 mm
-// of 640x480 hold 102 MB at most, 52 MB at first.
+// Memory: up to 2 1/8 bytes per pixel and layer kept, of at most 1.5 N + 46 layers (N + 62 of thin bands),
+// and 59 per pixel: 14 mm of 640x480 hold 117 MB at most.
 class RollingBand {
  public:
   // Means of Doppler pictures are rendered whole: their sums are not kept.
@@ -47,7 +48,7 @@ class RollingBand {
   // The most that bytes() can become while the plane is dragged.
   static std::size_t most_bytes(const ReslicePlane& plane, const RenderSettings& settings);
 
-  static constexpr int block_layers = 8;
+  static constexpr int block_layers = LayerBlock::most_layers;
   // Layers painted since the last whole picture, of blocks that are complete, for statistics.
   int layers_painted() const { return layers_painted_; }
   // Of all pictures and sums kept.
@@ -67,7 +68,7 @@ class RollingBand {
   // Some layers of a block, by their bits.
   struct Marks {
     const LayerBlock* block = nullptr;
-    std::uint8_t layers = 0;
+    std::uint16_t layers = 0;
   };
   // A strip of a block to be painted.
   struct Portion {
@@ -85,6 +86,11 @@ class RollingBand {
     bool holds(int layer) const { return layer >= first && layer <= last; }
   };
 
+  // The block that holds a layer; layers may be negative.
+  static int block_of(int layer) {
+    static_assert((block_layers & (block_layers - 1)) == 0);
+    return layer >> std::countr_zero(static_cast<unsigned>(block_layers));
+  }
   static Window window_of(int offset, const RenderSettings& settings);
   std::shared_ptr<const FrameTable> table_of(PreparedSweep& sweep);
   int strips_left(int block) const;

@@ -1,0 +1,142 @@
+// How a rolling band's layers become its picture: kept maxima of runs, running counts and sums.
+#include <algorithm>
+
+#include "core/reslice/layer_kernels.h"
+#include "core/reslice/rolling_band.h"
+
+namespace sonoband {
+namespace {
+
+constexpr int strip_rows = 16;  // by one thread at a time
+
+}  // namespace
+
+RollingBand::Layer RollingBand::layer(int index) const {
+  const int block = block_of(index);
+  return {&blocks_.at(block).layers, index - block * block_layers};
+}
+
+Pixels RollingBand::take_run() {
+  if (spare_runs_.empty()) return {plane_.width, plane_.height};
+  Pixels pixels = std::move(spare_runs_.back());
+  spare_runs_.pop_back();
+  return pixels;
+}
+
+std::vector<RollingBand::Run> RollingBand::runs_of(const Window& band) const {
+  std::vector<Run> runs;
+  for (int first = band.first; first <= band.last;) {
+    int level = 0;
+    while ((first & ((2 << level) - 1)) == 0 && first + (2 << level) - 1 <= band.last) ++level;
+    runs.push_back({level, first});
+    first += 1 << level;
+  }
+  return runs;
+}
+
+// Appends to to_build what must be made for a run, halves first.
+void RollingBand::need(const Run& run, std::vector<Run>& to_build) {
+  if (run.level == 0 || runs_.contains(run)) return;
+  need({run.level - 1, run.first}, to_build);
+  need({run.level - 1, run.first + (1 << (run.level - 1))}, to_build);
+  runs_.emplace(run, take_run());
+  to_build.push_back(run);
+}
+
+ConstPixels RollingBand::pixels_of(const Run& run) const {
+  if (run.level > 0) return runs_.at(run).view();
+  const Layer l = layer(run.first);
+  return {l.block->values_row(l.index, 0), plane_.width, plane_.height, l.block->values.width()};
+}
+
+// By block, so that all of its layers are counted in one go.
+std::vector<RollingBand::Marks> RollingBand::marks_of(const std::vector<int>& layers) const {
+  std::vector<Marks> marks;
+  for (const int i : layers) {
+    const Layer l = layer(i);
+    if (marks.empty() || marks.back().block != l.block) marks.push_back({l.block, 0});
+    marks.back().layers = static_cast<std::uint16_t>(marks.back().layers | LayerBlock::bits(l.index, 1));
+  }
+  return marks;
+}
+
+BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
+  const int width = plane_.width, height = plane_.height;
+  const Compounding how = settings_.compounding;
+  const bool mean = how == Compounding::mean, minimum = how == Compounding::minimum;
+
+  // Layers that come and go since the last picture, or all of them where that is less.
+  std::vector<int> come, gone;
+  for (int i = counted_.first; i <= counted_.last; ++i)
+    if (!band.holds(i)) gone.push_back(i);
+  for (int i = band.first; i <= band.last; ++i)
+    if (!counted_.holds(i)) come.push_back(i);
+  const auto layers = static_cast<std::size_t>(band.last - band.first) + 1;
+  const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
+  if (anew) {
+    counts_ = ImageBuffer<std::uint16_t>(width, height);
+    sums_ = mean ? ImageBuffer<std::uint32_t>(width, height) : ImageBuffer<std::uint32_t>();
+    gone.clear();
+    come.clear();
+    for (int i = band.first; i <= band.last; ++i) come.push_back(i);
+    summed_ = mean;
+  }
+  counted_ = band;
+  summed_ = summed_ && mean;
+
+  const std::vector<Run> runs = mean ? std::vector<Run>() : runs_of(band);
+  std::vector<Run> to_build;
+  for (const Run& run : runs) need(run, to_build);
+  struct Build {
+    ConstPixels first, second;
+    Pixels* both;
+  };
+  std::vector<Build> builds;
+  for (const Run& run : to_build) {
+    const int half = 1 << (run.level - 1);
+    builds.push_back({pixels_of({run.level - 1, run.first}), pixels_of({run.level - 1, run.first + half}),
+                      &runs_.at(run)});
+  }
+  std::vector<ConstPixels> parts;
+  for (const Run& run : runs) parts.push_back(pixels_of(run));
+
+  const std::vector<Marks> marks_come = marks_of(come), marks_gone = marks_of(gone);
+  std::vector<ConstPixels> values_come, values_gone;
+  if (mean) {
+    for (const int i : come) values_come.push_back(pixels_of({0, i}));
+    for (const int i : gone) values_gone.push_back(pixels_of({0, i}));
+  }
+
+  BandImage image{Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), PixelKind::grey};
+  const LayerKernels& kernels = layer_kernels();
+  parallel.for_each((height + strip_rows - 1) / strip_rows, [&](int strip) {
+    std::vector<const std::uint8_t*> rows(parts.size());
+    for (int y = strip * strip_rows; y < std::min((strip + 1) * strip_rows, height); ++y) {
+      for (const Build& build : builds) {
+        const std::uint8_t* halves[2] = {build.first.row(y), build.second.row(y)};
+        kernels.fold(halves, 2, minimum, width, build.both->view().row(y));
+      }
+      std::uint16_t* counts = counts_.view().row(y);
+      std::uint32_t* sums = mean ? sums_.view().row(y) : nullptr;
+      const auto count = [&](const Marks& m, bool add) {
+        kernels.count(m.block->has_data.view().row(y), m.layers, add, width, counts);
+      };
+      for (const Marks& m : marks_come) count(m, true);
+      for (const Marks& m : marks_gone) count(m, false);
+      for (const ConstPixels& v : values_come) kernels.sum(v.row(y), true, width, sums);
+      for (const ConstPixels& v : values_gone) kernels.sum(v.row(y), false, width, sums);
+      std::uint8_t* pixels = image.pixels.view().row(y);
+      if (mean) {
+        kernels.mean(sums, counts, width, pixels);
+      } else {
+        for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i].row(y);
+        kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
+        if (minimum) kernels.blank(counts, width, pixels);
+      }
+      std::copy_n(counts, width, image.coverage.view().row(y));
+    }
+  });
+  return image;
+}
+
+}  // namespace sonoband
