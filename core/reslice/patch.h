@@ -186,6 +186,24 @@ struct RulingLayer {
   const std::int16_t *from = nullptr, *to = nullptr;
 };
 
+// Eight lines' values at their first sample; one layer.
+struct alignas(64) RuledValues {
+  std::array<double, 8> of;
+};
+
+// Where along eight lines of a layer a condition begins to hold, or ceases to.
+struct RulingChange {
+  std::array<std::int16_t, 8> at;            // the sample; 0 .. samples + 2
+  std::uint8_t everywhere = 0, nowhere = 0;  // a bit for each line: it holds all along it, or nowhere
+};
+
+// The condition first + i per_sample + offset >= 0 for the samples i of a line; `second` is added to first.
+struct RulingCondition {
+  const RuledValues *first = nullptr, *second = nullptr;  // by layer; second may be null
+  double per_sample = 0, offset = 0;
+  int samples = 0, layers = 0;
+};
+
 // A frame's cell: its layers, and how conditions change along the lines (holding from there on, or up to it).
 struct RulingCell {
   const PatchFrame* frame = nullptr;  // of shape 8 x 8 with all rows at lane offset 0
@@ -271,6 +289,9 @@ struct PatchKernels {
   // 1/2 pixel, so that its whole part is the pixel. Those lanes must lie in the picture.
   void (*take)(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks, int layers,
                Rule rule, PatchSums& sums);
+
+  // Fills changes[l] for every layer.
+  void (*find_changes)(const RulingCondition& condition, RulingChange* changes);
 
   // Compounds samples sample .. sample + 7 of eight lines: where `from` holds and `to` does not.
   void (*take_rulings)(const RulingCell* cells, int count, const RulingLayer* layers, int sample,

@@ -387,9 +387,9 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
   static constexpr PatchKernels kernels{
-      HWY_TARGET,     lay_lanes,       thresholds, take_chain, lay_share, blend_chain, take_chain_apart,
-      lane_positions, split_positions, hold,       half_space, inside,    take,        take_rulings,
-      blend,          taps_inside,     turn};
+      HWY_TARGET,     lay_lanes,       thresholds,  take_chain, lay_share, blend_chain, take_chain_apart,
+      lane_positions, split_positions, hold,        half_space, inside,    take,        find_changes,
+      take_rulings,   blend,           taps_inside, turn};
   return kernels;
 }
 

@@ -18,6 +18,37 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
+HWY_ATTR inline void find_changes(const RulingCondition& condition, RulingChange* changes) {
+  const hn::CappedTag<double, 8> d;
+  const hn::Rebind<std::int32_t, decltype(d)> d32;
+  const bool rising = condition.per_sample >= 0;
+  // A value that hardly changes along a line changes its sign beyond the end.
+  const auto inverse = hn::Set(d, (rising ? -1 : 1) / std::max(std::abs(condition.per_sample), 1e-20));
+  const auto offset = hn::Set(d, condition.offset);
+  const auto least = hn::Set(d, rising ? 0.0 : -1.0), most = hn::Set(d, condition.samples + 1.0);
+  for (int l = 0; l < condition.layers; ++l) {
+    const double* first = condition.first[l].of.data();
+    const double* second = condition.second != nullptr ? condition.second[l].of.data() : nullptr;
+    alignas(32) std::int32_t at[8];
+    for (std::size_t r = 0; r < 8; r += hn::Lanes(d)) {
+      auto value = hn::Load(d, first + r);
+      if (second != nullptr) value = hn::Add(value, hn::Load(d, second + r));
+      const auto crossing = hn::Min(hn::Max(hn::Mul(hn::Add(value, offset), inverse), least), most);
+      // The first sample from the crossing on; or the first beyond it.
+      const auto sample = rising ? hn::Ceil(crossing) : hn::Add(hn::Floor(crossing), hn::Set(d, 1.0));
+      hn::Store(hn::DemoteTo(d32, sample), d32, at + r);
+    }
+    unsigned begun = 0, beyond = 0;  // lines that change at their first sample; beyond their last
+    for (int r = 0; r < 8; ++r) {
+      changes[l].at[r] = static_cast<std::int16_t>(at[r]);
+      begun |= (at[r] <= 0 ? 1U : 0U) << r;
+      beyond |= (at[r] >= condition.samples ? 1U : 0U) << r;
+    }
+    changes[l].everywhere = static_cast<std::uint8_t>(rising ? begun : beyond);
+    changes[l].nowhere = static_cast<std::uint8_t>(rising ? beyond : begun);
+  }
+}
+
 // Lane by lane: any instruction set, any spread of the lines.
 template <Rule rule>
 HWY_ATTR void take_ruling_lanes(const RulingCell& cell, const RulingLayer& layer, int sample, LaneMask mask,

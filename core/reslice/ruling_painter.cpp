@@ -13,7 +13,7 @@ namespace {
 constexpr LaneShape shape{patch_lanes / rulings_together};
 // The general painter's blocks: below so many samples nothing is gained by halving.
 constexpr int least_samples = patch_lanes;
-constexpr int samples_in_turn = 128;
+constexpr int samples_in_turn = 256;
 
 }  // namespace
 
@@ -74,60 +74,41 @@ void RulingPainter::find_lines(const Region& region) {
 }
 
 // Distances at the region's first sample, by layer and line; 0 for lines that are absent.
-void RulingPainter::distances(const Region& region, const AffineScalar& z, std::vector<Ruled>& out) const {
-  out.assign(bundle_.layers, Ruled{});
+void RulingPainter::distances(const Region& region, const AffineScalar& z,
+                              std::vector<RuledValues>& out) const {
+  out.assign(bundle_.layers, RuledValues{});
   const double first = region.a * z.gradient.dot(bundle_.step.v) + z.offset;
   for (int row = region.first; row < region.last; ++row) {
     const int r = row - region.first;
     const auto* starts = bundle_.starts.data() + static_cast<std::size_t>(row) * bundle_.layers;
     for (int l = 0; l < bundle_.layers; ++l)
-      if ((lines_[l] >> r & 1) != 0) out[l][r] = z.gradient.dot(starts[l].v) + first;
+      if ((lines_[l] >> r & 1) != 0) out[l].of[r] = z.gradient.dot(starts[l].v) + first;
   }
 }
 
 // Of the condition before + after + offset >= 0.
-RulingPainter::Boundary RulingPainter::boundary(const Region& region, const std::vector<Ruled>& before,
-                                                const std::vector<Ruled>* after, double per_sample,
+RulingPainter::Boundary RulingPainter::boundary(const Region& region, const std::vector<RuledValues>& before,
+                                                const std::vector<RuledValues>* after, double per_sample,
                                                 double offset) const {
-  const int samples = region.end - region.a;
   Boundary result;
   result.rising = per_sample >= 0;
-  // A value that hardly changes along a line changes its sign beyond the end.
-  const double inverse = (result.rising ? -1 : 1) / std::max(std::abs(per_sample), 1e-20);
   result.layers.resize(bundle_.layers);
-  for (int l = 0; l < bundle_.layers; ++l) {
-    Boundary::Layer& layer = result.layers[l];
-    unsigned begun = 0, beyond = 0;  // lines that change at their first sample; beyond their last
-    for (int r = 0; r < rulings_together; ++r) {
-      const double value = before[l][r] + (after != nullptr ? (*after)[l][r] : 0.0) + offset;
-      const double crossing = std::clamp(value * inverse, -1.0, samples + 1.0);
-      int at = 0;
-      if (result.rising) {  // the first sample from the crossing on
-        at = std::max(static_cast<int>(crossing), 0);
-        at += crossing > at ? 1 : 0;
-      } else {  // the first beyond it
-        at = crossing < 0 ? 0 : static_cast<int>(crossing) + 1;
-      }
-      layer.at[r] = static_cast<std::int16_t>(at);
-      begun |= (at <= 0 ? 1U : 0U) << r;
-      beyond |= (at >= samples ? 1U : 0U) << r;
-    }
-    layer.everywhere = static_cast<std::uint8_t>(result.rising ? begun : beyond);
-    layer.nowhere = static_cast<std::uint8_t>(result.rising ? beyond : begun);
-  }
+  patch_kernels().find_changes({before.data(), after != nullptr ? after->data() : nullptr, per_sample, offset,
+                                region.end - region.a, bundle_.layers},
+                               result.layers.data());
   return result;
 }
 
 RulingPainter::Boundary RulingPainter::constant(bool holds) const {
   const auto all = static_cast<std::uint8_t>(holds ? 255 : 0);
-  return {true, std::vector<Boundary::Layer>(bundle_.layers, {{}, all, static_cast<std::uint8_t>(~all)})};
+  return {true, std::vector<RulingChange>(bundle_.layers, {{}, all, static_cast<std::uint8_t>(~all)})};
 }
 
 // Appends what a cell takes of a layer, if anything.
 void RulingPainter::add_layer(const Region& region, const FrameEntry& frame, const Boundary& from,
                               const Boundary& to, int layer) {
-  const Boundary::Layer& begin = from.layers[layer];
-  const Boundary::Layer& end = to.layers[layer];
+  const RulingChange& begin = from.layers[layer];
+  const RulingChange& end = to.layers[layer];
   const unsigned lines = lines_[layer] & ~unsigned{begin.nowhere} & ~unsigned{end.everywhere};
   if (lines == 0) return;
   RulingLayer entry;
@@ -172,7 +153,7 @@ void RulingPainter::paint_chain(const Region& region, const Chain& chain,
   patches_.resize(std::max(patches_.size(), members));
   const LaneGrid grid = lane_grid(shape);
   find_lines(region);
-  std::vector<Ruled> z, next_z;
+  std::vector<RuledValues> z, next_z;
   distances(region, oriented_z(entry(0)), z);
   std::vector<Boundary> boundaries(members + 1);
   // As BandPainter::lay_out.

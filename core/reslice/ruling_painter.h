@@ -37,19 +37,13 @@ class RulingPainter {
     int first = 0, last = 0;
     int a = 0, end = 0;
   };
-  using Ruled = std::array<double, rulings_together>;
   struct alignas(64) Feet {
     std::array<FixedPx, rulings_together> x, y;
   };
-  // Where along each line a condition begins to hold, or ceases to; and, a bit for each line, whether it
-  // holds all along it or nowhere.
+  // Where along each line a condition begins to hold, or ceases to.
   struct Boundary {
-    struct Layer {
-      std::array<std::int16_t, rulings_together> at;
-      std::uint8_t everywhere, nowhere;
-    };
     bool rising = true;
-    std::vector<Layer> layers;
+    std::vector<RulingChange> layers;
   };
 
   bool present(int row, int layer) const {
@@ -60,9 +54,9 @@ class RulingPainter {
   void find_lines(const Region& region);
   void paint_region(const Region& region, const std::vector<int>& frames);
   void paint_chain(const Region& region, const Chain& chain, const std::vector<Candidate>& candidates);
-  void distances(const Region& region, const AffineScalar& z, std::vector<Ruled>& out) const;
-  Boundary boundary(const Region& region, const std::vector<Ruled>& before, const std::vector<Ruled>* after,
-                    double per_sample, double offset) const;
+  void distances(const Region& region, const AffineScalar& z, std::vector<RuledValues>& out) const;
+  Boundary boundary(const Region& region, const std::vector<RuledValues>& before,
+                    const std::vector<RuledValues>* after, double per_sample, double offset) const;
   Boundary constant(bool holds) const;
   void add_layer(const Region& region, const FrameEntry& frame, const Boundary& from, const Boundary& to,
                  int layer);
