@@ -58,8 +58,8 @@ void paint_layers_plainly(const FrameTable& table, const Lattice& lattice, const
       for (int x = 0; x < lattice.samples; ++x) {
         const bool has = image.coverage.view()(x, y) != 0;
         std::uint16_t& marks = layers.has_data.view()(x, y);
-        marks =
-            static_cast<std::uint16_t>((marks & ~LayerBlock::bits(l, 1)) | (has ? LayerBlock::bits(l, 1) : 0));
+        marks = static_cast<std::uint16_t>((marks & ~LayerBlock::bits(l, 1)) |
+                                           (has ? LayerBlock::bits(l, 1) : 0));
         layers.values_row(l, y)[x] = has ? image.pixels.view()(x, y) : missing;
       }
     }

@@ -218,32 +218,60 @@ void add_drags(const Shared& bench, std::vector<Case>& cases) {
 }
 
 // 600 rulings of 480 samples along a curve that bends both ways, 7.2 mm: the work of the paper's Figure 12.
-void add_manifold(const Shared& bench, std::vector<Case>& cases) {
+struct Unrolled {
+  Unrolled() {
+    for (int i = 0; i <= 200; ++i) stroke.emplace_back(8 + i * 0.52, 48 + 14 * std::sin(i * 0.035));
+  }
+  Curve curve() const { return make_curve(stroke, {.pixel_mm = 0.2, .smooth_px = 4, .closed = false}).curve; }
+  CurveFlow flow(const Curve& c, Parallel& parallel) const {
+    return band_flow(c, plane, settings.band, FlowMethod::exact, parallel);
+  }
+  BandImage band(const ReslicePlane& at, const Curve& c, const CurveFlow& flow, PreparedSweep& sweep,
+                 Parallel& parallel) const {
+    constexpr double reach_mm = 48;
+    return render_lines(sweep, manifold_lines(at, c, flow, reach_mm, settings.band), settings, parallel);
+  }
+
   std::vector<PlanePoint> stroke;
-  for (int i = 0; i <= 200; ++i) stroke.emplace_back(8 + i * 0.52, 48 + 14 * std::sin(i * 0.035));
-  const Curve curve = make_curve(stroke, {.pixel_mm = 0.2, .smooth_px = 4, .closed = false}).curve;
-  const ReslicePlane plane = test::speed_planes().front().plane;
-  ManifoldSettings settings;
-  settings.reach_mm = 48;
-  settings.render = settings_of(Interpolation::nearest, Compounding::maximum, 7.2);
+  ReslicePlane plane = test::speed_planes().front().plane;
+  RenderSettings settings = settings_of(Interpolation::nearest, Compounding::maximum, 7.2);
+};
+
+void add_manifold(const Shared& bench, std::vector<Case>& cases) {
+  const Unrolled u;
+  const Curve curve = u.curve();
   Case flow;
   flow.name = "curve flow exact 7.2 mm";
   flow.must_ms = 4;
-  flow.ours = [=] {
-    benchmark::DoNotOptimize(
-        band_flow(curve, plane, settings.render.band, FlowMethod::exact, bench->workers));
-  };
+  flow.ours = [=] { benchmark::DoNotOptimize(u.flow(curve, bench->workers)); };
   cases.push_back(flow);
-  Case band;
-  band.name = "manifold nearest max 7.2 mm N=200";
-  band.must_ms = 10;
-  band.begin = [=] { bench->use(200); };
-  band.ours = [=] {
-    const CurveFlow c = band_flow(curve, plane, settings.render.band, FlowMethod::exact, bench->workers);
-    const LineBundle lines = manifold_lines(plane, curve, c, settings.reach_mm, settings.render.band);
-    benchmark::DoNotOptimize(render_lines(bench->prepared, lines, settings.render, bench->workers));
+  const auto add = [&](const std::string& name, const std::function<void()>& ours) {
+    Case c;
+    c.name = "manifold nearest max 7.2 mm " + name + "N=200";
+    c.must_ms = 10;
+    c.begin = [=] { bench->use(200); };
+    c.ours = ours;
+    cases.push_back(c);
   };
-  cases.push_back(band);
+  add("", [=] {
+    benchmark::DoNotOptimize(
+        u.band(u.plane, curve, u.flow(curve, bench->workers), bench->prepared, bench->workers));
+  });
+  // The stroke is a curve and flows anew.
+  add("a vertex moved ", [=, moved = u, by = 0.0]() mutable {
+    by = by > 2 ? 0 : by + 0.2;
+    moved.stroke[100].y() = u.stroke[100].y() + by;
+    const Curve c = moved.curve();
+    benchmark::DoNotOptimize(u.band(u.plane, c, u.flow(c, bench->workers), bench->prepared, bench->workers));
+  });
+  // The plane is dragged, or the band is thinner than before: the flow stays.
+  add("its flow kept ",
+      [=, kept = std::make_shared<CurveFlow>(u.flow(curve, bench->workers)), by = 0.0]() mutable {
+        by = by > 2 ? 0 : by + 0.2;
+        ReslicePlane at = u.plane;
+        at.origin.v += by * at.normal().v;
+        benchmark::DoNotOptimize(u.band(at, curve, *kept, bench->prepared, bench->workers));
+      });
 }
 
 void add_doppler(const Shared& bench, std::vector<Case>& cases) {
