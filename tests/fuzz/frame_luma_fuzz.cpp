@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "hal/capture/flow_keys.h"
 #include "hal/capture/jpeg_luma.h"
 #include "hal/capture/luma.h"
 #include "hal/tracker/little_endian.h"
@@ -30,9 +31,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const int height = 1 + data[13] % (f.height - crop.y);
     Pixels out(width, height);
     copy_luma(f, crop, out.view());
+    static const FlowKeys keys(doppler::ColourClassifier(doppler::red_blue_bar(), {}));
+    keys.copy(f, crop, out.view());
   }
   JpegLuma jpeg;
   Pixels out(1 + data[14] % 64, 1 + data[15] % 64);
   static_cast<void>(jpeg.decode(bytes, out.view()));
+  std::vector<std::uint8_t> rgb(std::size_t{3} * out.width() * out.height());
+  static_cast<void>(jpeg.decode_rgb(bytes, out.width(), out.height(), rgb.data()));
   return 0;
 }
