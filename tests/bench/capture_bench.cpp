@@ -79,7 +79,7 @@ class Grabber final : public VideoDevice {
   explicit Grabber(Clock& clock) : clock_(clock) {
     std::mt19937 random(1);
     for (auto& buffer : buffers_) {
-      buffer.resize(static_cast<std::size_t>(2 * width * height));
+      buffer.resize(std::size_t{2} * width * height);
       std::generate(buffer.begin(), buffer.end(), [&] { return static_cast<std::uint8_t>(random()); });
     }
   }
