@@ -77,6 +77,18 @@ std::unique_ptr<exam::CartExams> make_exams(const std::filesystem::path& place, 
 
 }  // namespace
 
+doppler::ColourBar colour_bar_of(const Profile& profile) {
+  doppler::ColourBar bar = doppler::red_blue_bar();
+  const auto take = [](const std::vector<std::array<std::uint8_t, 3>>& colours, auto& levels) {
+    std::vector<doppler::Rgb> rgb;
+    for (const auto& [r, g, b] : colours) rgb.push_back({r, g, b});
+    if (!rgb.empty()) levels = doppler::ramp(rgb);
+  };
+  take(profile.capture.towards, bar.red);
+  take(profile.capture.away, bar.blue);
+  return bar;
+}
+
 std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profile& profile,
                                                 std::shared_ptr<Clock> clock,
                                                 const std::filesystem::path& place_of_exams) {
@@ -91,7 +103,7 @@ std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profi
     doppler::ColourThresholds thresholds;
     thresholds.chroma = profile.capture.chroma;
     settings.cart.acquisition.flow =
-        std::make_shared<FlowKeys>(doppler::ColourClassifier(doppler::red_blue_bar(), thresholds));
+        std::make_shared<FlowKeys>(doppler::ColourClassifier(colour_bar_of(profile), thresholds));
   }
 
   const bool real_devices = !board.foot;

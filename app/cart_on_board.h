@@ -6,6 +6,7 @@
 
 #include "app/cart/appliance.h"
 #include "board/devices.h"
+#include "core/image/colour_bar.h"
 
 namespace sonoband {
 
@@ -18,5 +19,8 @@ namespace sonoband {
 std::unique_ptr<cart::Appliance> make_appliance(BoardDevices& board, const Profile& profile,
                                                 std::shared_ptr<Clock> clock,
                                                 const std::filesystem::path& exams = {});
+
+// The scanner's: of the profile, and red to yellow, blue to cyan where that says nothing.
+doppler::ColourBar colour_bar_of(const Profile& profile);
 
 }  // namespace sonoband

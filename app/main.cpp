@@ -67,6 +67,7 @@ ScreenOptions screen_options(const Options& options, const Profile& profile) {
   }
   screen.full_screen = options.full_screen;
   screen.scale = options.scale;
+  screen.bar = colour_bar_of(profile);
   screen.width_mm = static_cast<float>(profile.screen.width_mm);
   screen.shots = options.shots.empty() ? options.out : options.shots;
   screen.exports.folder = options.export_to.empty() ? profile.exams.export_to : options.export_to;

@@ -1,6 +1,7 @@
 #include "board/profile.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -74,6 +75,34 @@ Key text(std::string table, std::string name, const std::function<std::string&(P
           }};
 }
 
+// "#rrggbb".
+bool take_colour(const std::string& word, std::array<std::uint8_t, 3>& into) {
+  if (word.size() != 7 || word[0] != '#') return false;
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    const char* digits = word.data() + 1 + 2 * i;
+    const auto [end, error] = std::from_chars(digits, digits + 2, into[i], 16);
+    if (error != std::errc() || end != digits + 2) return false;
+  }
+  return true;
+}
+
+Key colours(std::string table, std::string name,
+            const std::function<std::vector<std::array<std::uint8_t, 3>>&(Profile&)>& field) {
+  return {std::move(table), std::move(name),
+          R"(2 to 16 colours, dark to bright, such as ["#400000", "#ff0000"])",
+          [=](const toml::node& node, Profile& profile) {
+            const toml::array* array = node.as_array();
+            if (array == nullptr || array->size() < 2 || array->size() > 16) return false;
+            std::vector<std::array<std::uint8_t, 3>> taken(array->size());
+            for (std::size_t i = 0; i < taken.size(); ++i) {
+              const auto word = array->get(i)->value<std::string>();
+              if (!word || !take_colour(*word, taken[i])) return false;
+            }
+            field(profile) = std::move(taken);
+            return true;
+          }};
+}
+
 // An array of exactly as many numbers as there is room for, all within the bounds.
 template <class Number, class Numbers>
 bool take_numbers(const toml::node& node, Number least, Number most, Numbers& into) {
@@ -109,6 +138,10 @@ std::vector<Key> all_keys() {
              [](P& p, const std::string& word) { p.capture.orientation = word; }),
       choice("capture", "colour", {"grey", "doppler"},
              [](P& p, const std::string& word) { p.capture.colour = word; }),
+      colours("capture", "towards",
+              [](P& p) -> std::vector<std::array<std::uint8_t, 3>>& { return p.capture.towards; }),
+      colours("capture", "away",
+              [](P& p) -> std::vector<std::array<std::uint8_t, 3>>& { return p.capture.away; }),
       whole<int>("capture", "chroma", 1, 255, [](P& p) -> int& { return p.capture.chroma; }),
       real("capture", "latency-ms", -1000, 1000,
            [](P& p) -> double& { return p.capture.latency_ms.emplace(); }),

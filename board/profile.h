@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sonoband {
 
@@ -26,6 +27,9 @@ struct Profile {
     // from this difference of its largest and smallest of red, green and blue on (about 30 for motion JPEG).
     std::string colour = "grey";
     int chroma = 24;
+    // The scanner's bar, dark to bright, evenly spaced, for flow towards the probe and away from it. Empty:
+    // red to yellow and blue to cyan.
+    std::vector<std::array<std::uint8_t, 3>> towards, away;
     // Scanner and grabber against tracker, from temporal calibration: 50 to 300. Empty: what the board itself
     // knows (a simulation does), else 0.
     std::optional<double> latency_ms;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/image/colour_bar.h"
 #include "ui/gl.h"
 #include "ui/theme.h"
 
@@ -38,10 +37,10 @@ constexpr int largest_side = 4095;
 
 }  // namespace
 
-Pictures::Pictures(DrawKinds& kinds) : kinds_(kinds), programs_(vertex_source, fragment_source) {
+Pictures::Pictures(DrawKinds& kinds, const doppler::ColourBar& bar)
+    : kinds_(kinds), programs_(vertex_source, fragment_source) {
   glGenVertexArrays(1, &vertices_);
 
-  const doppler::ColourBar bar = doppler::red_blue_bar();
   std::array<std::uint8_t, 256 * 4> colours{};
   for (int key = 0; key < 256; ++key) {
     const doppler::Rgb c = doppler::to_rgb(static_cast<std::uint8_t>(key), bar);

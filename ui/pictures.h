@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/image/colour_bar.h"
 #include "core/image/image.h"
 #include "ui/draw_kinds.h"
 #include "ui/picture_programs.h"
@@ -32,7 +33,7 @@ constexpr Slot thumbnail(int i) {
 class Pictures {
  public:
   // Needs a current context, as everything below and the destructor do.
-  explicit Pictures(DrawKinds& kinds);
+  explicit Pictures(DrawKinds& kinds, const doppler::ColourBar& bar = doppler::red_blue_bar());
   ~Pictures();
   Pictures(const Pictures&) = delete;
   Pictures& operator=(const Pictures&) = delete;

@@ -55,7 +55,7 @@ struct Screen::Parts {
     gestures.reserve(64);
     if (!ImGui_ImplOpenGL3_Init("#version 300 es"))
       throw std::runtime_error("Dear ImGui's renderer does not start");
-    pictures = std::make_unique<Pictures>(kinds);
+    pictures = std::make_unique<Pictures>(kinds, settings.bar);
     scene = std::make_unique<Scene>(*pictures, kinds);
     frame.pictures = pictures.get();
     frame.kinds = &kinds;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "core/image/colour_bar.h"
 #include "core/time.h"
 #include "ui/command.h"
 #include "ui/draw.h"
@@ -18,6 +19,7 @@ namespace sonoband::ui {
 struct ScreenSettings {
   float width_mm = 0;  // of the panel's picture area; 0: unknown
   float scale = 1;
+  doppler::ColourBar bar = doppler::red_blue_bar();  // in which velocities are shown
 };
 
 // Lives on one thread, with its surface's context current whenever it is made, used or destroyed.

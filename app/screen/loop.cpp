@@ -53,8 +53,8 @@ ScreenLoop::ScreenLoop(cart::Appliance& cart, const Foot& foot, const ScreenOpti
       surface_(surface),
       worker_(threads_for_rendering(), rendered),
       session_(worker_, options.pedal == PedalMode::toggle ? ui::PedalMode::toggle : ui::PedalMode::hold),
-      screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale}), load_fonts(),
-              ui::Texts{}) {
+      screen_((surface.begin_frame(), ui::ScreenSettings{options.width_mm, options.scale, options.bar}),
+              load_fonts(), ui::Texts{}) {
   screen_.warm_up(surface.size_px());
   const ProbeOptions& probe = options_.probe;
   probes_[0] = {probe.name, probe.depth_mm, probe.calibrated, -1};

@@ -11,6 +11,7 @@
 #include "app/script/script.h"
 #include "board/profile.h"
 #include "core/geometry/plane.h"
+#include "core/image/colour_bar.h"
 #include "core/reslice/band.h"
 #include "hal/sound/cue_player.h"
 #include "ui/rect.h"
@@ -34,7 +35,8 @@ struct ScreenOptions {
   int height = 800;
   float width_mm = 0;  // of the panel; 0: unknown
   float scale = 1;
-  std::filesystem::path shots = "out";  // folder of snapshots; made when the first is taken
+  doppler::ColourBar bar = doppler::red_blue_bar();  // in which velocities are shown
+  std::filesystem::path shots = "out";               // folder of snapshots; made when the first is taken
   // Width of the scanner's beam across its picture, mm: B-scans farther apart leave gaps. Usual: 1 to 3.
   double beam_width_mm = 1;
   PedalMode pedal = PedalMode::hold;

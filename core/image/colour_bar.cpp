@@ -40,6 +40,24 @@ std::uint8_t grey7(Rgb c) {
 
 }  // namespace
 
+std::array<Rgb, level_count> ramp(std::span<const Rgb> colours) {
+  assert(colours.size() >= 2);
+  std::array<Rgb, level_count> levels{};
+  for (int level = 0; level < level_count; ++level) {
+    const double place =
+        static_cast<double>(level) * static_cast<double>(colours.size() - 1) / (level_count - 1);
+    const auto before = std::min(static_cast<std::size_t>(place), colours.size() - 2);
+    const double part = place - static_cast<double>(before);
+    const auto mix = [part](std::uint8_t a, std::uint8_t b) {
+      return static_cast<std::uint8_t>(a + part * (b - a) + 0.5);
+    };
+    const Rgb& a = colours[before];
+    const Rgb& b = colours[before + 1];
+    levels[level] = {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
+  }
+  return levels;
+}
+
 ColourBar red_blue_bar() {
   ColourBar bar;
   for (int level = 0; level < level_count; ++level) {

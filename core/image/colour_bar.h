@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/image/doppler.h"
@@ -29,6 +30,10 @@ struct ColourBar {
   std::array<Rgb, level_count> red;   // flow towards the probe: positive velocity
   std::array<Rgb, level_count> blue;  // away from it
 };
+
+// One direction of a bar: at least two colours (asserted), dark to bright, evenly spaced over the levels;
+// straight lines in RGB between them.
+std::array<Rgb, level_count> ramp(std::span<const Rgb> colours);
 
 // Dark red over red to yellow, dark blue over blue to cyan: the commonest bar.
 ColourBar red_blue_bar();

@@ -30,6 +30,8 @@ crop-px = [10, 20, 640, 480]
 orientation = "UN"
 colour = "doppler"
 chroma = 30
+towards = ["#400000", "#FF0000", "#ffffff"]
+away = ["#002000", "#00ff80"]
 latency-ms = 82.5
 silent-ms = 2000
 [tracking]
@@ -57,6 +59,9 @@ seed = 7
   EXPECT_EQ(p.capture.orientation, "UN");
   EXPECT_EQ(p.capture.colour, "doppler");
   EXPECT_EQ(p.capture.chroma, 30);
+  EXPECT_EQ(p.capture.towards,
+            (std::vector<std::array<std::uint8_t, 3>>{{0x40, 0, 0}, {0xff, 0, 0}, {0xff, 0xff, 0xff}}));
+  EXPECT_EQ(p.capture.away, (std::vector<std::array<std::uint8_t, 3>>{{0, 0x20, 0}, {0, 0xff, 0x80}}));
   EXPECT_EQ(p.capture.latency_ms, 82.5);
   EXPECT_EQ(p.capture.silent_ms, 2000);
   EXPECT_EQ(p.tracking.silent_ms, 300);
@@ -151,6 +156,11 @@ TEST(Profile, RefusalsNameFileLineAndCure) {
             "cart.toml:2: capture.driver must be one of \"v4l2\" \"libcamera\"");
   EXPECT_EQ(refusal("[capture]\nrate-hz = nan\n"),
             "cart.toml:2: capture.rate-hz must be a number from 1 to 240");
+  for (const char* wrong : {"[]", "[\"#400000\"]", "[\"#400000\", \"red\"]", "[\"#400000\", \"#12345g\"]",
+                            "[1, 2]", "\"#400000\""})
+    EXPECT_EQ(refusal(std::string("[capture]\ntowards = ") + wrong + "\n"),
+              "cart.toml:2: capture.towards must be 2 to 16 colours, dark to bright, such as [\"#400000\", "
+              "\"#ff0000\"]");
   EXPECT_EQ(refusal("[capture]\ncrop-px = [1, 2, 3]\n"),
             "cart.toml:2: capture.crop-px must be four whole numbers [x, y, width, height] from 0 to 16384");
   EXPECT_TRUE(refusal("[lights]\nred = 1\n").starts_with("cart.toml:1: there is no table [lights]"))

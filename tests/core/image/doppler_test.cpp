@@ -31,6 +31,24 @@ TEST(ColourBar, ClassifierInvertsTheBarWithinFourLevels) {
   }
 }
 
+// Red to white and green: another maker's bar. Nothing of the usual one is left in it.
+TEST(ColourBar, RampsOfAnyColoursAreBarsLikeTheUsualOne) {
+  const std::array<Rgb, 3> towards = {{{64, 0, 0}, {255, 0, 0}, {255, 255, 255}}};
+  const std::array<Rgb, 2> away = {{{0, 60, 0}, {0, 255, 128}}};
+  const ColourBar bar{ramp(towards), ramp(away)};
+  EXPECT_EQ(bar.red.front(), towards[0]);
+  EXPECT_EQ(bar.red.back(), towards[2]);
+  EXPECT_NEAR(bar.red[31].r, 252, 1);  // 31/63 of the way: 62/63 of the first half
+  EXPECT_EQ(bar.red[31].g, 0);
+  EXPECT_EQ(bar.blue.back(), away[1]);
+  const ColourClassifier classifier(bar, {});
+  for (int level = 8; level < 40; ++level) {
+    EXPECT_NEAR(velocity(classifier.classify(bar.red[level]).key), level, 4) << level;
+    EXPECT_NEAR(velocity(classifier.classify(bar.blue[level]).key), -level, 6) << level;
+  }
+  EXPECT_FALSE(classifier.classify({0, 64, 255}).known) << "blue is not on this bar";
+}
+
 TEST(ColourBar, GreyGoesThereAndBackExactly) {
   const ColourBar bar = red_blue_bar();
   const ColourClassifier classifier(bar, {});
