@@ -27,7 +27,7 @@
 namespace sonoband {
 
 struct RenderLimits {
-  std::size_t layer_bytes = std::size_t{256} << 20;  // of a drag's layers; 14 mm of 640x480 take up to 117 MB
+  std::size_t layer_bytes = std::size_t{256} << 20;  // of a drag's layers; 14 mm of 640x480 take up to 122 MB
   Duration layers_kept = std::chrono::seconds(10);   // after the last request
 };
 

@@ -66,6 +66,7 @@ void RollingBand::forget() {
   for (auto& [run, pixels] : runs_) spare_runs_.push_back(std::move(pixels));
   blocks_.clear();
   runs_.clear();
+  forget_nested();
   counted_ = {};
   layers_painted_ = 0;
 }
@@ -73,7 +74,7 @@ void RollingBand::forget() {
 std::size_t RollingBand::bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(std::max(plane_.width, 0)) * std::max(plane_.height, 0);
   return pixels * ((block_layers + marks_bytes) * (blocks_.size() + spare_blocks_.size()) + runs_.size() +
-                   spare_runs_.size() + (blocks_.empty() ? 0 : sums_bytes));
+                   spare_runs_.size() + nested_.size() + (blocks_.empty() ? 0 : sums_bytes));
 }
 
 bool RollingBand::follows(const PreparedSweep& sweep, const ReslicePlane& plane,
@@ -194,8 +195,8 @@ std::size_t RollingBand::most_bytes(const ReslicePlane& plane, const RenderSetti
   // The outermost blocks may hold one layer each that is near enough.
   const std::size_t most_layers = layers + 2 * room_beside(settings.band.layers()) + 2 * (block_layers - 1);
   const std::size_t blocks = most_layers * (block_layers + marks_bytes) / block_layers + 1;
-  return pixels * (blocks + most_layers + sums_bytes + most_spare_blocks * (block_layers + marks_bytes) +
-                   most_spare_runs);
+  return pixels * (blocks + most_layers + most_nested + sums_bytes +
+                   most_spare_blocks * (block_layers + marks_bytes) + most_spare_runs);
 }
 
 // Extremes of the other kind: other values where there is no data.
@@ -203,6 +204,7 @@ void RollingBand::fill_gaps(std::uint8_t missing, Parallel& parallel) {
   missing_ = missing;
   for (auto& [run, pixels] : runs_) give_back(std::move(pixels));
   runs_.clear();
+  forget_nested();
   parallel.for_each(plane_.height, [&](int y) {
     for (auto& [index, block] : blocks_) {
       const std::uint16_t* has = block.layers.has_data.view().row(y);

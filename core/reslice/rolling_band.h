@@ -6,8 +6,10 @@
 // painted ahead, a portion with every step, so that steps cost the same.
 //
 // Maxima (or minima) are kept of every run of 2, 4, 8 ... layers that begins at a multiple of its length, as
-// far as they were needed; any band is at most 2 log2 N such runs. How many layers have data, and the sums of
-// a mean, are whole numbers: a layer that comes is added, one that goes is taken off.
+// far as they were needed; any band is at most 2 log2 N such runs. A band that becomes thicker is the one
+// before and the layers about it: such nested pictures are kept, and a thinner band finds its own again. How
+// many layers have data, and the sums of a mean, are whole numbers: a layer that comes is added, one that
+// goes is taken off.
 #pragma once
 
 #include <bit>
@@ -49,6 +51,8 @@ class RollingBand {
   static std::size_t most_bytes(const ReslicePlane& plane, const RenderSettings& settings);
 
   static constexpr int block_layers = LayerBlock::most_layers;
+  // Pictures of thinner bands that are kept while a band grows.
+  static constexpr std::size_t most_nested = 16;
   // Layers painted since the last whole picture, of blocks that are complete, for statistics.
   int layers_painted() const { return layers_painted_; }
   // Of all pictures and sums kept.
@@ -84,6 +88,13 @@ class RollingBand {
     int first = 0, last = -1;
     bool empty() const { return last < first; }
     bool holds(int layer) const { return layer >= first && layer <= last; }
+    bool holds(const Window& other) const { return holds(other.first) && holds(other.last); }
+    bool operator==(const Window&) const = default;
+  };
+  // A band's extremes.
+  struct Nested {
+    Window band;
+    Pixels extremes;
   };
 
   // The block that holds a layer; layers may be negative.
@@ -109,7 +120,11 @@ class RollingBand {
   void give_back(Pixels pixels);
   Layer layer(int index) const;
   std::vector<Run> runs_of(const Window& band) const;
+  int unbuilt(const Run& run) const;
   void need(const Run& run, std::vector<Run>& to_build);
+  void add_parts(const Run& run, int& room, std::vector<Run>& to_build, std::vector<Run>& parts);
+  Window keep_nested(const Window& band, const Window& before);
+  void forget_nested();
   std::vector<Marks> marks_of(const std::vector<int>& layers) const;
   ConstPixels pixels_of(const Run& run) const;
   BandImage compound(const Window& band, Parallel& parallel);
@@ -123,6 +138,7 @@ class RollingBand {
   std::map<int, Block> blocks_;  // block b: layers b block_layers and on
   std::uint8_t missing_ = 0;     // in pixels without data: what never is the extreme
   std::map<Run, Pixels> runs_;   // level 1 and above
+  std::vector<Nested> nested_;   // each within the next
   // Of what was forgotten, so that memory need not come anew.
   std::vector<LayerBlock> spare_blocks_;
   std::vector<Pixels> spare_runs_;

@@ -1,5 +1,6 @@
 // How a rolling band's layers become its picture: kept maxima of runs, running counts and sums.
 #include <algorithm>
+#include <limits>
 
 #include "core/reslice/layer_kernels.h"
 #include "core/reslice/rolling_band.h"
@@ -8,6 +9,8 @@ namespace sonoband {
 namespace {
 
 constexpr int strip_rows = 16;  // by one thread at a time
+// Runs made in one step: a drag after a band has grown would have to make all of the new layers' at once.
+constexpr int most_builds = 12;
 
 }  // namespace
 
@@ -32,6 +35,48 @@ std::vector<RollingBand::Run> RollingBand::runs_of(const Window& band) const {
     first += 1 << level;
   }
   return runs;
+}
+
+// How many runs must be made for this one.
+int RollingBand::unbuilt(const Run& run) const {
+  if (run.level == 0 || runs_.contains(run)) return 0;
+  return 1 + unbuilt({run.level - 1, run.first}) +
+         unbuilt({run.level - 1, run.first + (1 << (run.level - 1))});
+}
+
+// Appends what a run is folded from: itself, or its parts while it needs more runs than there is room for.
+void RollingBand::add_parts(const Run& run, int& room, std::vector<Run>& to_build, std::vector<Run>& parts) {
+  const int builds = unbuilt(run);
+  if (builds <= room) {
+    room -= builds;
+    need(run, to_build);
+    parts.push_back(run);
+    return;
+  }
+  add_parts({run.level - 1, run.first}, room, to_build, parts);
+  add_parts({run.level - 1, run.first + (1 << (run.level - 1))}, room, to_build, parts);
+}
+
+void RollingBand::forget_nested() {
+  for (Nested& n : nested_) give_back(std::move(n.extremes));
+  nested_.clear();
+}
+
+// Leaves the nested pictures that lie within the band, adds an empty one of a band that has grown from
+// `before`, and returns the band of the greatest of the others.
+RollingBand::Window RollingBand::keep_nested(const Window& band, const Window& before) {
+  while (!nested_.empty() && !band.holds(nested_.back().band)) {
+    give_back(std::move(nested_.back().extremes));
+    nested_.pop_back();
+  }
+  const Window inner = nested_.empty() ? Window{} : nested_.back().band;
+  if (before.empty() || before == band || !band.holds(before) || inner == band) return inner;
+  if (nested_.size() == most_nested) {
+    give_back(std::move(nested_.front().extremes));
+    nested_.erase(nested_.begin());
+  }
+  nested_.push_back({band, take_run()});
+  return inner;
 }
 
 // Appends to to_build what must be made for a run, halves first.
@@ -81,12 +126,28 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
     for (int i = band.first; i <= band.last; ++i) come.push_back(i);
     summed_ = mean;
   }
+  const Window before = counted_;
   counted_ = band;
   summed_ = summed_ && mean;
 
-  const std::vector<Run> runs = mean ? std::vector<Run>() : runs_of(band);
-  std::vector<Run> to_build;
-  for (const Run& run : runs) need(run, to_build);
+  // Extremes: of a band within this one, and of the layers beside that.
+  std::vector<Run> runs, to_build;
+  Window inner;
+  Pixels* grown = nullptr;  // where they are kept as well
+  if (!mean) {
+    inner = keep_nested(band, before);
+    if (!nested_.empty() && nested_.back().band != inner) grown = &nested_.back().extremes;
+    int room = anew ? std::numeric_limits<int>::max() : most_builds;
+    const auto add = [&](const Window& part) {
+      for (const Run& run : runs_of(part)) add_parts(run, room, to_build, runs);
+    };
+    if (inner.empty()) {
+      add(band);
+    } else {
+      add({band.first, inner.first - 1});
+      add({inner.last + 1, band.last});
+    }
+  }
   struct Build {
     ConstPixels first, second;
     Pixels* both;
@@ -99,6 +160,7 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   }
   std::vector<ConstPixels> parts;
   for (const Run& run : runs) parts.push_back(pixels_of(run));
+  if (!inner.empty()) parts.push_back(nested_[nested_.size() - (grown != nullptr ? 2 : 1)].extremes.view());
 
   const std::vector<Marks> marks_come = marks_of(come), marks_gone = marks_of(gone);
   std::vector<ConstPixels> values_come, values_gone;
@@ -131,6 +193,7 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
       } else {
         for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i].row(y);
         kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
+        if (grown != nullptr) std::copy_n(pixels, width, grown->view().row(y));
         if (minimum) kernels.blank(counts, width, pixels);
       }
       std::copy_n(counts, width, image.coverage.view().row(y));

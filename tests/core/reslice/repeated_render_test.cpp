@@ -144,6 +144,40 @@ TEST(RollingBand, AnyRunOfDragsAndThicknessesGivesTheBitsOfItsLayers) {
   }
 }
 
+// A thicker band is the one before and the layers about it; a thinner one is found again; a drag leaves both
+// behind.
+TEST(RollingBand, GrowingAndShrinkingGivesTheBitsOfABandThatComesStraight) {
+  for (unsigned seed = 3400; seed < 3406; ++seed) {
+    test::RandomScene scene = test::random_scene(seed);
+    Serial serial;
+    PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
+    scene.settings.interpolation = Interpolation::nearest;
+    scene.settings.compounding = seed % 2 == 0 ? Compounding::maximum : Compounding::minimum;
+    const double step = scene.settings.band.step_mm;
+    const ReslicePlane anchor = scene.plane;
+    scene.settings.band.thickness_mm = 16 * step;
+    RollingBand rolling;
+    ASSERT_TRUE(rolling.prepare(sweep, anchor, scene.settings, serial));
+    std::mt19937 random(seed);
+    int side = 8, middle = 0;
+    for (int i = 0; i < 80; ++i) {
+      // More than are kept grow one out of another at first.
+      const unsigned kind = i < 24 ? 0 : random() % 8;
+      side = std::max(kind < 4 ? side + 1 : kind < 6 ? side - 1 : kind == 6 ? side - 5 : side, 4);
+      middle += kind == 7 ? 1 - 2 * static_cast<int>(random() % 2) : 0;
+      scene.settings.band.thickness_mm = 2 * side * step;
+      ReslicePlane plane = anchor;
+      plane.origin = plane.origin + (middle * step) * plane.normal();
+      const BandImage image = rolling.render(sweep, plane, scene.settings, serial);
+      RollingBand straight;
+      straight.prepare(sweep, anchor, scene.settings, serial);
+      ASSERT_TRUE(test::same_bits(image, straight.render(sweep, plane, scene.settings, serial)))
+          << "seed " << seed << ", step " << i;
+      EXPECT_LE(rolling.bytes(), RollingBand::most_bytes(plane, scene.settings));
+    }
+  }
+}
+
 TEST(RollingBand, ALayerIsRenderPlanarsThinPictureButForTies) {
   test::Difference sum;
   for (unsigned seed = 3340; seed < 3352; ++seed) {
@@ -261,7 +295,8 @@ TEST(RollingBand, LayersGotReadyAreThoseOfADragAndCostItNothing) {
     // Of at most 11 + 2 (8 + 8) + 2 x 15 = 73 layers: two bytes and two bits of a pixel each; two blocks and
     // 16 runs to spare, counts and sums.
     const std::size_t pixels = static_cast<std::size_t>(anchor.width) * anchor.height;
-    EXPECT_LE(RollingBand::most_bytes(anchor, scene.settings), pixels * (73 * 17 / 8 + 2 + 2 * 18 + 16 + 6));
+    EXPECT_LE(RollingBand::most_bytes(anchor, scene.settings),
+              pixels * (73 * 17 / 8 + 2 + 2 * 18 + 16 + 16 + 6));
     rolling.clear();
     EXPECT_EQ(rolling.bytes(), 0U);
     EXPECT_EQ(rolling.layers_missing(sweep, anchor, scene.settings), std::nullopt);
