@@ -298,7 +298,8 @@ bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& rea
     if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), a, b)) return false;
     left_out_.add(all, tile.candidates.size());
   }
-  // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces.
+  // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces; for the few
+  // layers of a block turning a frame costs more than it saves.
   tile.open(lattice, interpolation(), !apart() && lattice.layers <= patch_layers);
   return true;
 }

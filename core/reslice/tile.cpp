@@ -118,9 +118,9 @@ void Tile::thin(Interpolation interpolation, double thin_mm, LeftOut& count) {
   keep_chain_only();
 }
 
-void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_shear) {
+void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_reshape) {
   place_frames(lattice, block.a, block.b);
-  PatchFreedom may{may_shear && is_chain, may_turn(interpolation), 0};
+  PatchFreedom may{may_reshape && is_chain, may_reshape && may_turn(interpolation), 0};
   std::vector<double> reaches;
   if (may.turn) reaches = chain_reaches(*table, candidates, chain, box, interpolation);
   parts.clear();

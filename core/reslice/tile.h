@@ -49,8 +49,9 @@ struct Tile {
   // Thins a chain to `thin_mm` by the rule of chain.h.
   void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
   // Makes what patches share of the candidates, and asks for their pixels. Where `turned`, turned_parts are
-  // to be turned before a patch is painted: by then the pixels are there.
-  void open(const Lattice& lattice, Interpolation interpolation, bool may_shear);
+  // to be turned before a patch is painted: by then the pixels are there. `may_reshape`: patches may be
+  // sheared and frames turned.
+  void open(const Lattice& lattice, Interpolation interpolation, bool may_reshape);
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 
