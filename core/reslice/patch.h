@@ -26,7 +26,10 @@ struct LaneShape {
   double samples_per_row = 0, rows_per_sample = 0;  // of which one at least is 0
   int down() const { return patch_lanes / across; }
   bool sheared() const { return samples_per_row != 0 || rows_per_sample != 0; }
-  int a(int lane) const { return lane % across + rounded(samples_per_row * (lane / across)); }
+  int a(int lane) const {
+    const int row = lane / across;
+    return lane % across + rounded(samples_per_row * row);
+  }
   int b(int lane) const { return lane / across + rounded(rows_per_sample * (lane % across)); }
 
  private:

@@ -125,8 +125,8 @@ PatchChoice choose_patches(const Tile& tile, const Lattice& lattice, Interpolati
     if (edges.ends) part += part_at_edge(span.rows, whole.rows, yl * block.depth);
     return std::min(part, 1.0);
   };
-  const double turning =
-      costs.turned_pixel * may.turned_pixels / (tile_pixels * tile_pixels / patch_lanes * block.depth);
+  const int patches = tile_pixels * tile_pixels / patch_lanes;
+  const double turning = costs.turned_pixel * may.turned_pixels / (patches * block.depth);
   PatchChoice best;
   double least = 1e30;
   const auto consider = [&](const LaneShape& tried, bool turned) {
