@@ -79,6 +79,19 @@ TEST_F(CurveVerbs, FlowOfAVHasItsShockOnTheBisector) {
   }
 }
 
+// The naive front keeps every ruling's own normal: on the inside of a corner they have crossed, none are one.
+TEST_F(CurveVerbs, NaiveFlowOfAVDoesNotSmear) {
+  write("curve.csv", "20,20\n0,0\n20,-20\n");
+  ASSERT_EQ(flow("naive").exit_code, 0);
+  const Json feet = read("flow.json")["layers"][16]["feet"];
+  ASSERT_EQ(feet.size(), 114u);
+  for (std::size_t i = 1; i < feet.size(); ++i) {
+    const double dx = feet[i][0].get<double>() - feet[i - 1][0].get<double>();
+    const double dy = feet[i][1].get<double>() - feet[i - 1][1].get<double>();
+    EXPECT_GT(std::hypot(dx, dy), 0.4) << i;
+  }
+}
+
 TEST_F(CurveVerbs, FlowOfAClosedCurveVanishesInside) {
   std::string ring;
   for (int i = 0; i <= 90; ++i) {
@@ -159,6 +172,39 @@ TEST_F(CurveVerbs, SmearPictureMarksTheShockOfACorner) {
     }
     EXPECT_NEAR(rows, 8, 1);
   }
+}
+
+// Grey that stands still would be the scanner's drawing; columns 20 to 29 flow.
+TEST_F(CurveVerbs, ManifoldOfADopplerRecordingIsInColour) {
+  exchange::TrackedSequence s;
+  s.width = 60;
+  s.height = 40;
+  s.components = 3;
+  s.frames.resize(30);
+  s.pixels = exchange::PixelBuffer(3 * 60 * 40 * 30);
+  for (int i = 0; i < 30; ++i) {
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose(0, 0) = pose(1, 1) = pose(2, 2) = 0.5;
+    pose(2, 3) = 0.5 * i;
+    exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Image", "Reference"}, pose);
+    for (int k = 0; k < 60 * 40; ++k) {
+      const bool flows = k % 60 >= 20 && k % 60 < 30;
+      std::uint8_t* c = s.pixels.bytes().data() + 3 * (static_cast<std::size_t>(i) * 2400 + k);
+      c[0] = static_cast<std::uint8_t>(flows ? (i % 2 == 0 ? 250 : 200) : 40 + 3 * i);
+      c[1] = c[2] = static_cast<std::uint8_t>(flows ? 4 : c[0]);
+    }
+  }
+  exchange::write_sequence(s, path("sweep.mha"));
+  ASSERT_EQ(
+      run_tool(manifold({"--curve", "5,4 20,4 24,10", "--reach-mm", "5", "--thickness-mm", "2"})).exit_code,
+      0);
+  const auto band = exchange::read_png(path("band.png"));
+  ASSERT_EQ(band.channels, 3);
+  // One row is one ruling, 0.5 mm on from x = 5 mm: row 14 is column 24, row 2 column 12.
+  const auto at = [&](int row) { return &band.bytes[3 * static_cast<std::size_t>(row * band.width + 10)]; };
+  EXPECT_GT(at(14)[0], 190);
+  EXPECT_LT(at(14)[2], 40);
+  EXPECT_EQ(at(2)[0], at(2)[2]);
 }
 
 TEST_F(CurveVerbs, ManifoldSaysWhatIsWrongWithACurve) {
