@@ -53,6 +53,11 @@ HWY_ATTR HWY_INLINE void turn_square(const std::uint8_t* const* from, std::uint8
     put(2, _mm512_extracti32x4_epi32(turned, 2));
     put(3, _mm512_extracti32x4_epi32(turned, 3));
   }
+#elif HWY_HAVE_SCALABLE
+  // Such vectors go into no array (SVE).
+  for (int i = 0; i < turned_side; ++i)
+    for (int j = 0; j < turned_side; ++j)
+      if (to[j] != nullptr) to[j][i] = from[i][j];
 #else
   const hn::Full128<std::uint8_t> d;
   using Row = hn::Vec<hn::Full128<std::uint8_t>>;
