@@ -24,7 +24,8 @@ constexpr int turned_side = least_turned_px;  // of the squares that are turned 
 
 // Square of pixels, rows `from`, to columns: column i goes to to[i], where that is not null.
 HWY_ATTR HWY_INLINE void turn_square(const std::uint8_t* const* from, std::uint8_t* const* to) {
-#if HWY_TARGET == HWY_SCALAR
+// Scalable vectors (SVE) go into no array.
+#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
   for (int i = 0; i < turned_side; ++i)
     for (int j = 0; to[i] != nullptr && j < turned_side; ++j) to[i][j] = from[j][i];
 #elif HWY_TARGET == HWY_AVX3_DL
@@ -53,11 +54,6 @@ HWY_ATTR HWY_INLINE void turn_square(const std::uint8_t* const* from, std::uint8
     put(2, _mm512_extracti32x4_epi32(turned, 2));
     put(3, _mm512_extracti32x4_epi32(turned, 3));
   }
-#elif HWY_HAVE_SCALABLE
-  // Such vectors go into no array (SVE).
-  for (int i = 0; i < turned_side; ++i)
-    for (int j = 0; j < turned_side; ++j)
-      if (to[j] != nullptr) to[j][i] = from[i][j];
 #else
   const hn::Full128<std::uint8_t> d;
   using Row = hn::Vec<hn::Full128<std::uint8_t>>;
