@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace sonoband::doppler {
 namespace {
@@ -49,7 +50,7 @@ std::array<Rgb, level_count> ramp(std::span<const Rgb> colours) {
     const auto before = std::min(static_cast<std::size_t>(place), colours.size() - 2);
     const double part = place - static_cast<double>(before);
     const auto mix = [part](std::uint8_t a, std::uint8_t b) {
-      return static_cast<std::uint8_t>(a + part * (b - a) + 0.5);
+      return static_cast<std::uint8_t>(std::lround(a + part * (b - a)));
     };
     const Rgb& a = colours[before];
     const Rgb& b = colours[before + 1];
