@@ -18,12 +18,17 @@ ImFont* font_of(const Draw::Frame& frame, Type type) {
   return frame.fonts[static_cast<std::size_t>(type)];
 }
 
+// False: nothing of it is left.
+bool clip_to(const ImVec4& clip, float screen_height) {
+  if (clip.z <= clip.x || clip.w <= clip.y) return false;
+  glScissor(static_cast<GLint>(clip.x), static_cast<GLint>(screen_height - clip.w),
+            static_cast<GLsizei>(clip.z - clip.x), static_cast<GLsizei>(clip.w - clip.y));
+  return true;
+}
+
 void paint_picture(const ImDrawList*, const ImDrawCmd* command) {
   const auto& order = *static_cast<const PictureOrder*>(command->UserCallbackData);
-  const ImVec4& clip = command->ClipRect;
-  if (clip.z <= clip.x || clip.w <= clip.y) return;
-  glScissor(static_cast<GLint>(clip.x), static_cast<GLint>(order.screen_height - clip.w),
-            static_cast<GLsizei>(clip.z - clip.x), static_cast<GLsizei>(clip.w - clip.y));
+  if (!clip_to(command->ClipRect, order.screen_height)) return;
   // Pictures hide what is behind them.
   glDisable(GL_BLEND);
   order.pictures->paint(order.slot, order.target, order.look, order.screen_width, order.screen_height);
@@ -35,10 +40,7 @@ constexpr float least_cleared = 12000;
 
 void clear_rectangle(const ImDrawList*, const ImDrawCmd* command) {
   const auto& order = *static_cast<const ClearOrder*>(command->UserCallbackData);
-  const ImVec4& clip = command->ClipRect;
-  if (clip.z <= clip.x || clip.w <= clip.y) return;
-  glScissor(static_cast<GLint>(clip.x), static_cast<GLint>(order.screen_height - clip.w),
-            static_cast<GLsizei>(clip.z - clip.x), static_cast<GLsizei>(clip.w - clip.y));
+  if (!clip_to(command->ClipRect, order.screen_height)) return;
   const std::uint32_t c = order.colour.rgba;
   glClearColor(static_cast<float>(c >> 24) / 255, static_cast<float>(c >> 16 & 255) / 255,
                static_cast<float>(c >> 8 & 255) / 255, 1);

@@ -19,15 +19,19 @@ constexpr int width = 1920;
 constexpr int height = 1080;
 constexpr Crop crop{.x = 640, .y = 300};
 
+Frame full_hd(const std::vector<std::uint8_t>& bytes, PixelFormat format, int pixel) {
+  return {.data = bytes.data(),
+          .bytes = bytes.size(),
+          .width = width,
+          .height = height,
+          .stride_bytes = static_cast<std::ptrdiff_t>(width) * pixel,
+          .format = format};
+}
+
 // Luma, crop and nothing else.
 void crop_of_full_hd(benchmark::State& state, PixelFormat format, int pixel) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width * height * pixel), 0x5a);
-  const Frame frame{.data = bytes.data(),
-                    .bytes = bytes.size(),
-                    .width = width,
-                    .height = height,
-                    .stride_bytes = static_cast<std::ptrdiff_t>(width) * pixel,
-                    .format = format};
+  const Frame frame = full_hd(bytes, format, pixel);
   Pixels slot(640, 480);
   for (auto _ : state) {
     copy_luma(frame, crop, slot.view());
@@ -45,12 +49,7 @@ void keys_of_full_hd(benchmark::State& state, PixelFormat format, int pixel) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width * height * pixel));
   std::mt19937 random(1);
   std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(random()); });
-  const Frame frame{.data = bytes.data(),
-                    .bytes = bytes.size(),
-                    .width = width,
-                    .height = height,
-                    .stride_bytes = static_cast<std::ptrdiff_t>(width) * pixel,
-                    .format = format};
+  const Frame frame = full_hd(bytes, format, pixel);
   const FlowKeys keys(doppler::ColourClassifier(doppler::red_blue_bar(), {}));
   Pixels slot(640, 480);
   for (auto _ : state) {
