@@ -1,11 +1,12 @@
 // Pixels: a borrowed view with a stride, and storage that owns them.
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <type_traits>
-#include <vector>
 
 namespace sonoband {
 
@@ -37,35 +38,44 @@ struct ImageView {
 
 using ConstPixels = ImageView<const std::uint8_t>;
 
-// Storage for one picture, rows packed, zero at first. Copying a picture is asked for by name.
+// Storage for one picture, rows packed, zero at first unless asked for `unset`. Copying a picture is asked
+// for by name.
 template <class T>
 class ImageBuffer {
  public:
   ImageBuffer() = default;
   ImageBuffer(int width, int height)
-      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height) {}
+      : width_(width),
+        height_(height),
+        pixels_(std::make_unique<T[]>(static_cast<std::size_t>(width) * height)) {}
+  // For one who writes all pixels: a megabyte of zeros takes a thread 60 us.
+  static ImageBuffer unset(int width, int height) {
+    ImageBuffer image;
+    image.width_ = width;
+    image.height_ = height;
+    image.pixels_ = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(width) * height);
+    return image;
+  }
   ImageBuffer(ImageBuffer&&) noexcept = default;
   ImageBuffer& operator=(ImageBuffer&&) noexcept = default;
   ImageBuffer(const ImageBuffer&) = delete;
   ImageBuffer& operator=(const ImageBuffer&) = delete;
 
   ImageBuffer copy() const {
-    ImageBuffer twin;
-    twin.width_ = width_;
-    twin.height_ = height_;
-    twin.pixels_ = pixels_;
+    ImageBuffer twin = unset(width_, height_);
+    std::copy_n(pixels_.get(), static_cast<std::size_t>(width_) * height_, twin.pixels_.get());
     return twin;
   }
 
-  ImageView<T> view() { return {pixels_.data(), width_, height_, width_}; }
-  ImageView<const T> view() const { return {pixels_.data(), width_, height_, width_}; }
+  ImageView<T> view() { return {pixels_.get(), width_, height_, width_}; }
+  ImageView<const T> view() const { return {pixels_.get(), width_, height_, width_}; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> pixels_;
+  std::unique_ptr<T[]> pixels_;
 };
 
 using Pixels = ImageBuffer<std::uint8_t>;

@@ -143,8 +143,11 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
   }
   const Window before = window_of(offset_, settings_), band = window_of(offset, settings);
   move_to(offset, settings, parallel);
-  paint_missing(*table_of(sweep), before, band, parallel);
-  BandImage image = compound(band, parallel);
+  const std::shared_ptr<const FrameTable> table = table_of(sweep);
+  const bool first = blocks_.empty();
+  paint_missing(*table, band, parallel);
+  const std::vector<Portion> ahead = first ? std::vector<Portion>() : portions_ahead(before, band);
+  BandImage image = compound(band, parallel, static_cast<int>(ahead.size()), painter_of(*table, ahead));
   image.kind = kind_of(sweep);
   image.frames_left_out = left_out_;
   return image;
@@ -169,7 +172,7 @@ bool RollingBand::prepare(PreparedSweep& sweep, const ReslicePlane& plane, const
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) return false;
       portions.clear();
       add_portions(block, std::min(strips_left(block), portions_in_turn * parallel.width()), portions);
-      paint_portions(*table, portions, parallel);
+      parallel.for_each(static_cast<int>(portions.size()), painter_of(*table, portions));
     }
   }
   // Counts, sums and runs as well.
@@ -272,34 +275,38 @@ void RollingBand::add_portions(int block, int strips, std::vector<Portion>& port
   if (strips > 0 && b.strips == strips_) layers_painted_ += block_layers;
 }
 
-void RollingBand::paint_portions(const FrameTable& table, const std::vector<Portion>& portions,
-                                 Parallel& parallel) {
+std::function<void(int)> RollingBand::painter_of(const FrameTable& table,
+                                                 const std::vector<Portion>& portions) {
   RenderSettings thin = settings_;
   thin.compounding = missing_ == 0 ? Compounding::maximum : Compounding::minimum;
   std::map<int, LayerStrips> of_block;
   for (const Portion& portion : portions)
     of_block.try_emplace(portion.block, table, lattice_of_block(portion.block), thin);
-  parallel.for_each(static_cast<int>(portions.size()), [&](int i) {
+  return [this, of_block = std::move(of_block), &portions](int i) {
     const Portion& portion = portions[i];
     of_block.at(portion.block).paint(portion.strip, blocks_.at(portion.block).layers);
-  });
+  };
 }
 
-void RollingBand::paint_missing(const FrameTable& table, const Window& before, const Window& band,
-                                Parallel& parallel) {
-  const bool first = blocks_.empty();
+void RollingBand::paint_missing(const FrameTable& table, const Window& band, Parallel& parallel) {
   std::vector<Portion> portions;
   const int lowest = block_of(band.first), highest = block_of(band.last);
   for (int block = lowest; block <= highest; ++block) add_portions(block, strips_left(block), portions);
-  // Ahead: what remains of a block over the steps that remain until it is reached.
+  if (!portions.empty()) parallel.for_each(static_cast<int>(portions.size()), painter_of(table, portions));
+}
+
+// What remains of the blocks that come next over the steps that remain until they are reached.
+std::vector<RollingBand::Portion> RollingBand::portions_ahead(const Window& before, const Window& band) {
+  std::vector<Portion> portions;
+  const int lowest = block_of(band.first), highest = block_of(band.last);
   const auto ahead = [&](int block, int moved, int until_reached) {
-    if (first || moved <= 0) return;
+    if (moved <= 0) return;
     const int steps = until_reached / moved + 1;
     add_portions(block, (strips_left(block) + steps - 1) / steps, portions);
   };
   ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
   ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
-  paint_portions(table, portions, parallel);
+  return portions;
 }
 
 }  // namespace sonoband

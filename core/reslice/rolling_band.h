@@ -13,6 +13,7 @@
 #pragma once
 
 #include <bit>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -96,6 +97,19 @@ class RollingBand {
     Window band;
     Pixels extremes;
   };
+  // A run from its halves.
+  struct Build {
+    ConstPixels first, second;
+    Pixels* both = nullptr;
+  };
+  // From the last picture to the next.
+  struct Step {
+    std::vector<Build> builds;
+    std::vector<ConstPixels> parts;  // whose extremes are the picture
+    Pixels* grown = nullptr;         // where they are kept as well
+    std::vector<Marks> marks_come, marks_gone;
+    std::vector<ConstPixels> values_come, values_gone;  // of a mean
+  };
 
   // The block that holds a layer; layers may be negative.
   static int block_of(int layer) {
@@ -111,8 +125,10 @@ class RollingBand {
   void begin(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings);
   Lattice lattice_of_block(int block) const;
   void add_portions(int block, int strips, std::vector<Portion>& portions);
-  void paint_portions(const FrameTable& table, const std::vector<Portion>& portions, Parallel& parallel);
-  void paint_missing(const FrameTable& table, const Window& before, const Window& band, Parallel& parallel);
+  // Paints portion i of several; they may be painted in any order and on any threads.
+  std::function<void(int)> painter_of(const FrameTable& table, const std::vector<Portion>& portions);
+  void paint_missing(const FrameTable& table, const Window& band, Parallel& parallel);
+  std::vector<Portion> portions_ahead(const Window& before, const Window& band);
   void fill_gaps(std::uint8_t missing, Parallel& parallel);
   void forget_far(const Window& band);
   void forget();
@@ -127,7 +143,11 @@ class RollingBand {
   void forget_nested();
   std::vector<Marks> marks_of(const std::vector<int>& layers) const;
   ConstPixels pixels_of(const Run& run) const;
-  BandImage compound(const Window& band, Parallel& parallel);
+  Step next_step(const Window& band);
+  void compound_row(const Step& step, int y, BandImage& image);
+  // Portions of layers that are not the band's are painted on the way: threads wait for one another once.
+  BandImage compound(const Window& band, Parallel& parallel, int portions = 0,
+                     const std::function<void(int)>& paint_portion = {});
 
   ReslicePlane plane_;  // of layer 0; layer i lies i steps along its normal
   RenderSettings settings_;

@@ -20,7 +20,7 @@ RollingBand::Layer RollingBand::layer(int index) const {
 }
 
 Pixels RollingBand::take_run() {
-  if (spare_runs_.empty()) return {plane_.width, plane_.height};
+  if (spare_runs_.empty()) return Pixels::unset(plane_.width, plane_.height);
   Pixels pixels = std::move(spare_runs_.back());
   spare_runs_.pop_back();
   return pixels;
@@ -105,10 +105,10 @@ std::vector<RollingBand::Marks> RollingBand::marks_of(const std::vector<int>& la
   return marks;
 }
 
-BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
-  const int width = plane_.width, height = plane_.height;
-  const Compounding how = settings_.compounding;
-  const bool mean = how == Compounding::mean, minimum = how == Compounding::minimum;
+// Which layers come and go, and what is to be folded; makes room for it.
+RollingBand::Step RollingBand::next_step(const Window& band) {
+  const bool mean = settings_.compounding == Compounding::mean;
+  Step step;
 
   // Layers that come and go since the last picture, or all of them where that is less.
   std::vector<int> come, gone;
@@ -119,8 +119,8 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   const auto layers = static_cast<std::size_t>(band.last - band.first) + 1;
   const bool anew = counted_.empty() || (mean && !summed_) || come.size() + gone.size() > layers;
   if (anew) {
-    counts_ = ImageBuffer<std::uint16_t>(width, height);
-    sums_ = mean ? ImageBuffer<std::uint32_t>(width, height) : ImageBuffer<std::uint32_t>();
+    counts_ = ImageBuffer<std::uint16_t>(plane_.width, plane_.height);
+    sums_ = mean ? ImageBuffer<std::uint32_t>(plane_.width, plane_.height) : ImageBuffer<std::uint32_t>();
     gone.clear();
     come.clear();
     for (int i = band.first; i <= band.last; ++i) come.push_back(i);
@@ -129,75 +129,84 @@ BandImage RollingBand::compound(const Window& band, Parallel& parallel) {
   const Window before = counted_;
   counted_ = band;
   summed_ = summed_ && mean;
+  step.marks_come = marks_of(come);
+  step.marks_gone = marks_of(gone);
+  if (mean) {
+    for (const int i : come) step.values_come.push_back(pixels_of({0, i}));
+    for (const int i : gone) step.values_gone.push_back(pixels_of({0, i}));
+    return step;
+  }
 
   // Extremes: of a band within this one, and of the layers beside that.
   std::vector<Run> runs, to_build;
-  Window inner;
-  Pixels* grown = nullptr;  // where they are kept as well
-  if (!mean) {
-    inner = keep_nested(band, before);
-    if (!nested_.empty() && nested_.back().band != inner) grown = &nested_.back().extremes;
-    int room = anew ? std::numeric_limits<int>::max() : most_builds;
-    const auto add = [&](const Window& part) {
-      for (const Run& run : runs_of(part)) add_parts(run, room, to_build, runs);
-    };
-    if (inner.empty()) {
-      add(band);
-    } else {
-      add({band.first, inner.first - 1});
-      add({inner.last + 1, band.last});
-    }
-  }
-  struct Build {
-    ConstPixels first, second;
-    Pixels* both;
+  const Window inner = keep_nested(band, before);
+  if (!nested_.empty() && nested_.back().band != inner) step.grown = &nested_.back().extremes;
+  int room = anew ? std::numeric_limits<int>::max() : most_builds;
+  const auto add = [&](const Window& part) {
+    for (const Run& run : runs_of(part)) add_parts(run, room, to_build, runs);
   };
-  std::vector<Build> builds;
+  if (inner.empty()) {
+    add(band);
+  } else {
+    add({band.first, inner.first - 1});
+    add({inner.last + 1, band.last});
+  }
   for (const Run& run : to_build) {
     const int half = 1 << (run.level - 1);
-    builds.push_back({pixels_of({run.level - 1, run.first}), pixels_of({run.level - 1, run.first + half}),
-                      &runs_.at(run)});
+    step.builds.push_back({pixels_of({run.level - 1, run.first}),
+                           pixels_of({run.level - 1, run.first + half}), &runs_.at(run)});
   }
-  std::vector<ConstPixels> parts;
-  for (const Run& run : runs) parts.push_back(pixels_of(run));
-  if (!inner.empty()) parts.push_back(nested_[nested_.size() - (grown != nullptr ? 2 : 1)].extremes.view());
+  for (const Run& run : runs) step.parts.push_back(pixels_of(run));
+  if (!inner.empty())
+    step.parts.push_back(nested_[nested_.size() - (step.grown != nullptr ? 2 : 1)].extremes.view());
+  return step;
+}
 
-  const std::vector<Marks> marks_come = marks_of(come), marks_gone = marks_of(gone);
-  std::vector<ConstPixels> values_come, values_gone;
-  if (mean) {
-    for (const int i : come) values_come.push_back(pixels_of({0, i}));
-    for (const int i : gone) values_gone.push_back(pixels_of({0, i}));
-  }
-
-  BandImage image{Pixels(width, height), ImageBuffer<std::uint16_t>(width, height), PixelKind::grey};
+void RollingBand::compound_row(const Step& step, int y, BandImage& image) {
   const LayerKernels& kernels = layer_kernels();
-  parallel.for_each((height + strip_rows - 1) / strip_rows, [&](int strip) {
-    std::vector<const std::uint8_t*> rows(parts.size());
-    for (int y = strip * strip_rows; y < std::min((strip + 1) * strip_rows, height); ++y) {
-      for (const Build& build : builds) {
-        const std::uint8_t* halves[2] = {build.first.row(y), build.second.row(y)};
-        kernels.fold(halves, 2, minimum, width, build.both->view().row(y));
-      }
-      std::uint16_t* counts = counts_.view().row(y);
-      std::uint32_t* sums = mean ? sums_.view().row(y) : nullptr;
-      const auto count = [&](const Marks& m, bool add) {
-        kernels.count(m.block->has_data.view().row(y), m.layers, add, width, counts);
-      };
-      for (const Marks& m : marks_come) count(m, true);
-      for (const Marks& m : marks_gone) count(m, false);
-      for (const ConstPixels& v : values_come) kernels.sum(v.row(y), true, width, sums);
-      for (const ConstPixels& v : values_gone) kernels.sum(v.row(y), false, width, sums);
-      std::uint8_t* pixels = image.pixels.view().row(y);
-      if (mean) {
-        kernels.mean(sums, counts, width, pixels);
-      } else {
-        for (std::size_t i = 0; i < parts.size(); ++i) rows[i] = parts[i].row(y);
-        kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
-        if (grown != nullptr) std::copy_n(pixels, width, grown->view().row(y));
-        if (minimum) kernels.blank(counts, width, pixels);
-      }
-      std::copy_n(counts, width, image.coverage.view().row(y));
+  const int width = plane_.width;
+  const bool minimum = settings_.compounding == Compounding::minimum;
+  for (const Build& build : step.builds) {
+    const std::uint8_t* halves[2] = {build.first.row(y), build.second.row(y)};
+    kernels.fold(halves, 2, minimum, width, build.both->view().row(y));
+  }
+  std::uint16_t* counts = counts_.view().row(y);
+  const auto count = [&](const Marks& m, bool add) {
+    kernels.count(m.block->has_data.view().row(y), m.layers, add, width, counts);
+  };
+  for (const Marks& m : step.marks_come) count(m, true);
+  for (const Marks& m : step.marks_gone) count(m, false);
+  std::uint8_t* pixels = image.pixels.view().row(y);
+  if (settings_.compounding == Compounding::mean) {
+    std::uint32_t* sums = sums_.view().row(y);
+    for (const ConstPixels& v : step.values_come) kernels.sum(v.row(y), true, width, sums);
+    for (const ConstPixels& v : step.values_gone) kernels.sum(v.row(y), false, width, sums);
+    kernels.mean(sums, counts, width, pixels);
+  } else {
+    std::vector<const std::uint8_t*> rows;
+    for (const ConstPixels& part : step.parts) rows.push_back(part.row(y));
+    kernels.fold(rows.data(), static_cast<int>(rows.size()), minimum, width, pixels);
+    if (step.grown != nullptr) std::copy_n(pixels, width, step.grown->view().row(y));
+    if (minimum) kernels.blank(counts, width, pixels);
+  }
+  std::copy_n(counts, width, image.coverage.view().row(y));
+}
+
+BandImage RollingBand::compound(const Window& band, Parallel& parallel, int portions,
+                                const std::function<void(int)>& paint_portion) {
+  const int width = plane_.width, height = plane_.height;
+  const Step step = next_step(band);
+  BandImage image{Pixels::unset(width, height), ImageBuffer<std::uint16_t>::unset(width, height),
+                  PixelKind::grey};
+  // Portions first: strips are short, so that threads end together.
+  const int strips = (height + strip_rows - 1) / strip_rows;
+  parallel.for_each(portions + strips, [&](int i) {
+    if (i < portions) {
+      paint_portion(i);
+      return;
     }
+    const int first = (i - portions) * strip_rows;
+    for (int y = first; y < std::min(first + strip_rows, height); ++y) compound_row(step, y, image);
   });
   return image;
 }
