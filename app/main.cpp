@@ -12,6 +12,7 @@
 #include "app/bad_input.h"
 #include "app/cart_on_board.h"
 #include "app/chosen_board.h"
+#include "app/freed_memory.h"
 #include "app/live_stream.h"
 #include "app/screen/run.h"
 #include "app/script/examination.h"
@@ -195,6 +196,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace sonoband;
+  keep_freed_memory();
   Options options;
   CLI::App app{"Sonoband: freehand 3D ultrasound at the cart. Research use only."};
   app.add_option("--board", options.board.board,

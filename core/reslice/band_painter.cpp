@@ -304,25 +304,41 @@ bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& rea
   return true;
 }
 
-void BandPainter::paint_tiles(const Lattice& lattice, int a, int b, int width) {
-  const int height = std::min(tile_pixels, lattice.rows - b);
-  const SampleBox box = box_of({a, b, 0, width, height, lattice.layers});
+BandPainter::Reach BandPainter::reach_of(const SampleBox& box) const {
   Reach reach;
   reach.frames = frames_near(table_, box);
   if (thinning_.rest != nullptr) reach.rest = frames_near(*thinning_.rest, box);
-  if (reach.frames.empty()) {
-    blank({a, b, 0, width, height, lattice.layers});
-    return;
+  return reach;
+}
+
+void BandPainter::paint_strips(const Lattice& lattice, const std::vector<Strip>& strips) {
+  struct Place {
+    const Strip* strip;
+    int a, width;
+  };
+  std::vector<Place> places;
+  for (const Strip& strip : strips) {
+    for (int a = 0; a < strip.width; a += tile_pixels)
+      places.push_back({&strip, strip.a + a, std::min(tile_pixels, strip.width - a)});
   }
-  const auto open = [&](Tile& tile, int at) { return open_tile(tile, lattice, reach, at, b); };
-  bool opened = open(tile_, a);
-  for (const int end = a + width; a < end; a += tile_pixels) {
+  const auto height = [&](const Strip& strip) { return std::min(tile_pixels, lattice.rows - strip.b); };
+  Reach reach;
+  const auto open = [&](Tile& tile, std::size_t i) {
+    if (i == places.size()) return false;
+    const Strip& strip = *places[i].strip;
+    if (places[i].a == strip.a)
+      reach = reach_of(box_of({strip.a, strip.b, 0, strip.width, height(strip), lattice.layers}));
+    return !reach.frames.empty() && open_tile(tile, lattice, reach, places[i].a, strip.b);
+  };
+  bool opened = open(tile_, 0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
     if (stopped()) return;
-    const bool next_opened = a + tile_pixels < end && open(next_tile_, a + tile_pixels);
+    const bool next_opened = open(next_tile_, i + 1);
+    const auto& [strip, a, width] = places[i];
     if (opened) {
       paint_tile(lattice);
     } else {
-      blank({a, b, 0, std::min(tile_pixels, end - a), height, lattice.layers});
+      blank({a, strip->b, 0, width, height(*strip), lattice.layers});
     }
     std::swap(tile_, next_tile_);
     opened = next_opened;

@@ -40,9 +40,12 @@ class BandPainter {
         layers_(&layers),
         totals_(rule_) {}
 
-  // The tiles of samples [a, a + width) from row b on. A tile's pixels are asked for while the one before is
-  // painted.
-  void paint_tiles(const Lattice& lattice, int a, int b, int width);
+  // The tiles of samples [a, a + width) from row b on.
+  struct Strip {
+    int a = 0, b = 0, width = 0;
+  };
+  // A tile's pixels are asked for while the one before is painted, across strips too.
+  void paint_strips(const Lattice& lattice, const std::vector<Strip>& strips);
 
   const LeftOut& left_out() const { return left_out_; }
 
@@ -71,6 +74,7 @@ class BandPainter {
   struct Reach {
     std::vector<int> frames, rest;
   };
+  Reach reach_of(const SampleBox& box) const;
   bool open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b);
   void paint_tile(const Lattice& lattice);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);

@@ -14,7 +14,10 @@ struct LayerBlock {
   static constexpr int most_layers = 16;
 
   LayerBlock(int columns, int rows, int layer_count)
-      : width(columns), layers(layer_count), values(columns * layer_count, rows), has_data(columns, rows) {
+      : width(columns),
+        layers(layer_count),
+        values(Pixels::unset(columns * layer_count, rows)),
+        has_data(ImageBuffer<std::uint16_t>::unset(columns, rows)) {
     assert(layer_count <= most_layers);
   }
 

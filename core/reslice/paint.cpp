@@ -106,7 +106,8 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
   parallel.for_each(across * down, [&](int strip) {
     BandPainter painter(seen, settings, image, stop, thinning);
     const int a = strip % across * strip_pixels;
-    painter.paint_tiles(own, a, strip / across * tile_pixels, std::min(strip_pixels, lattice.samples - a));
+    painter.paint_strips(own,
+                         {{a, strip / across * tile_pixels, std::min(strip_pixels, lattice.samples - a)}});
     left_out[strip] = painter.left_out();
   });
   LeftOut sum;
@@ -164,15 +165,18 @@ int LayerStrips::count(const FrameTable& table, const Lattice& lattice) {
   return across * ((lattice.rows + tile_pixels - 1) / tile_pixels);
 }
 
-void LayerStrips::paint(int strip, LayerBlock& layers) const {
+void LayerStrips::paint(int first, int count, LayerBlock& layers) const {
   if (!in_patches_) {
     paint_layers_plainly(*table_, lattice_, settings_, layers);
     return;
   }
   const int across = (lattice_.samples + layer_strip_pixels - 1) / layer_strip_pixels;
-  const int a = strip % across * layer_strip_pixels, b = strip / across * tile_pixels;
-  BandPainter(seen_, settings_, layers)
-      .paint_tiles(in_own_coordinates(lattice_), a, b, std::min(layer_strip_pixels, lattice_.samples - a));
+  std::vector<BandPainter::Strip> strips;
+  for (int strip = first; strip < first + count; ++strip) {
+    const int a = strip % across * layer_strip_pixels;
+    strips.push_back({a, strip / across * tile_pixels, std::min(layer_strip_pixels, lattice_.samples - a)});
+  }
+  BandPainter(seen_, settings_, layers).paint_strips(in_own_coordinates(lattice_), strips);
 }
 
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,

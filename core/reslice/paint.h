@@ -27,7 +27,7 @@ BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double 
                         const LineBundle& bundle, const RenderSettings& settings, Parallel& parallel,
                         const std::atomic<bool>* stop);
 
-// Layers apart, a strip of the picture at a time; strips may be painted in any order and on any threads.
+// Layers apart, some strips of the picture at a time; they may be painted in any order and on any threads.
 // Borrows the table.
 class LayerStrips {
  public:
@@ -35,8 +35,8 @@ class LayerStrips {
   LayerStrips(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings);
   // How many a picture has.
   static int count(const FrameTable& table, const Lattice& lattice);
-  // Whatever the strip held before is overwritten.
-  void paint(int strip, LayerBlock& layers) const;
+  // Strips first .. first + count - 1, the better the more. Whatever they held before is overwritten.
+  void paint(int first, int count, LayerBlock& layers) const;
 
  private:
   const FrameTable* table_;

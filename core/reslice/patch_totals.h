@@ -139,14 +139,19 @@ class PatchTotals {
         std::memcpy(row_at(at.y + row) + at.x, lanes + row * at.shape.across, columns() * sizeof(T));
     };
     // Rows of a known length are stored without a call.
-    if (width == 8) {
-      put([] { return 8; });
-    } else if (width == 16) {
-      put([] { return 16; });
-    } else if (width == 64) {
-      put([] { return 64; });
-    } else {
-      put([&] { return width; });
+    switch (width) {
+      case 4:
+        return put([] { return 4; });
+      case 8:
+        return put([] { return 8; });
+      case 16:
+        return put([] { return 16; });
+      case 32:
+        return put([] { return 32; });
+      case 64:
+        return put([] { return 64; });
+      default:
+        return put([&] { return width; });
     }
   }
   void gather() {

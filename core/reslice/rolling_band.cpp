@@ -10,7 +10,7 @@ namespace sonoband {
 namespace {
 
 // Of layers got ready, between two looks at the stop flag: about half a millisecond.
-constexpr int portions_in_turn = 2;
+constexpr int strips_in_turn = 2;
 // Of what was forgotten.
 constexpr std::size_t most_spare_blocks = 2, most_spare_runs = 16;
 // For each pixel: which layers of a block have data; counts and sums.
@@ -146,7 +146,8 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
   const std::shared_ptr<const FrameTable> table = table_of(sweep);
   const bool first = blocks_.empty();
   paint_missing(*table, band, parallel);
-  const std::vector<Portion> ahead = first ? std::vector<Portion>() : portions_ahead(before, band);
+  const std::vector<Portion> ahead =
+      first ? std::vector<Portion>() : portions_ahead(before, band, parallel.width());
   BandImage image = compound(band, parallel, static_cast<int>(ahead.size()), painter_of(*table, ahead));
   image.kind = kind_of(sweep);
   image.frames_left_out = left_out_;
@@ -171,7 +172,8 @@ bool RollingBand::prepare(PreparedSweep& sweep, const ReslicePlane& plane, const
     while (strips_left(block) > 0) {
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) return false;
       portions.clear();
-      add_portions(block, std::min(strips_left(block), portions_in_turn * parallel.width()), portions);
+      const int strips = std::min(strips_left(block), strips_in_turn * parallel.width());
+      add_portions(block, strips, parallel.width(), portions);
       parallel.for_each(static_cast<int>(portions.size()), painter_of(*table, portions));
     }
   }
@@ -262,8 +264,9 @@ Lattice RollingBand::lattice_of_block(int block) const {
   return lattice;
 }
 
-// The block's next strips.
-void RollingBand::add_portions(int block, int strips, std::vector<Portion>& portions) {
+// The block's next strips in about `count` portions.
+void RollingBand::add_portions(int block, int strips, int count, std::vector<Portion>& portions) {
+  if (strips <= 0) return;
   auto found = blocks_.find(block);
   if (found == blocks_.end()) {
     if (spare_blocks_.empty()) spare_blocks_.emplace_back(plane_.width, plane_.height, block_layers);
@@ -271,8 +274,13 @@ void RollingBand::add_portions(int block, int strips, std::vector<Portion>& port
     spare_blocks_.pop_back();
   }
   Block& b = found->second;
-  for (const int end = b.strips + strips; b.strips < end; ++b.strips) portions.push_back({block, b.strips});
-  if (strips > 0 && b.strips == strips_) layers_painted_ += block_layers;
+  const int portion = (strips + count - 1) / count;
+  for (const int end = b.strips + strips; b.strips < end;) {
+    const int some = std::min(portion, end - b.strips);
+    portions.push_back({block, b.strips, some});
+    b.strips += some;
+  }
+  if (b.strips == strips_) layers_painted_ += block_layers;
 }
 
 std::function<void(int)> RollingBand::painter_of(const FrameTable& table,
@@ -284,28 +292,34 @@ std::function<void(int)> RollingBand::painter_of(const FrameTable& table,
     of_block.try_emplace(portion.block, table, lattice_of_block(portion.block), thin);
   return [this, of_block = std::move(of_block), &portions](int i) {
     const Portion& portion = portions[i];
-    of_block.at(portion.block).paint(portion.strip, blocks_.at(portion.block).layers);
+    of_block.at(portion.block).paint(portion.first, portion.strips, blocks_.at(portion.block).layers);
   };
 }
 
 void RollingBand::paint_missing(const FrameTable& table, const Window& band, Parallel& parallel) {
   std::vector<Portion> portions;
   const int lowest = block_of(band.first), highest = block_of(band.last);
-  for (int block = lowest; block <= highest; ++block) add_portions(block, strips_left(block), portions);
+  // More than there are threads, so that they end together.
+  const int count = 4 * parallel.width();
+  for (int block = lowest; block <= highest; ++block)
+    add_portions(block, strips_left(block), count, portions);
   if (!portions.empty()) parallel.for_each(static_cast<int>(portions.size()), painter_of(table, portions));
 }
 
 // What remains of the blocks that come next over the steps that remain until they are reached.
-std::vector<RollingBand::Portion> RollingBand::portions_ahead(const Window& before, const Window& band) {
-  std::vector<Portion> portions;
+std::vector<RollingBand::Portion> RollingBand::portions_ahead(const Window& before, const Window& band,
+                                                              int threads) {
   const int lowest = block_of(band.first), highest = block_of(band.last);
+  const int up = band.last - before.last, down = before.first - band.first;
+  const int count = up > 0 && down > 0 ? (threads + 1) / 2 : threads;
+  std::vector<Portion> portions;
   const auto ahead = [&](int block, int moved, int until_reached) {
     if (moved <= 0) return;
     const int steps = until_reached / moved + 1;
-    add_portions(block, (strips_left(block) + steps - 1) / steps, portions);
+    add_portions(block, (strips_left(block) + steps - 1) / steps, count, portions);
   };
-  ahead(highest + 1, band.last - before.last, (highest + 1) * block_layers - 1 - band.last);
-  ahead(lowest - 1, before.first - band.first, band.first - lowest * block_layers);
+  ahead(highest + 1, up, (highest + 1) * block_layers - 1 - band.last);
+  ahead(lowest - 1, down, band.first - lowest * block_layers);
   return portions;
 }
 

@@ -75,9 +75,9 @@ class RollingBand {
     const LayerBlock* block = nullptr;
     std::uint16_t layers = 0;
   };
-  // A strip of a block to be painted.
+  // Strips of a block to be painted by one thread.
   struct Portion {
-    int block = 0, strip = 0;
+    int block = 0, first = 0, strips = 0;
   };
   // Of layers first .. first + 2^level - 1.
   struct Run {
@@ -124,11 +124,11 @@ class RollingBand {
                int& offset) const;
   void begin(const PreparedSweep& sweep, const ReslicePlane& plane, const RenderSettings& settings);
   Lattice lattice_of_block(int block) const;
-  void add_portions(int block, int strips, std::vector<Portion>& portions);
+  void add_portions(int block, int strips, int count, std::vector<Portion>& portions);
   // Paints portion i of several; they may be painted in any order and on any threads.
   std::function<void(int)> painter_of(const FrameTable& table, const std::vector<Portion>& portions);
   void paint_missing(const FrameTable& table, const Window& band, Parallel& parallel);
-  std::vector<Portion> portions_ahead(const Window& before, const Window& band);
+  std::vector<Portion> portions_ahead(const Window& before, const Window& band, int threads);
   void fill_gaps(std::uint8_t missing, Parallel& parallel);
   void forget_far(const Window& band);
   void forget();

@@ -1,10 +1,12 @@
 // The speed tables. Run through tools/bench.
 #include <CLI/CLI.hpp>
 
+#include "app/freed_memory.h"
 #include "tests/bench/table/cases.h"
 
 int main(int argc, char** argv) {
   using namespace sonoband::bench;
+  sonoband::keep_freed_memory();  // as the cart does
   CLI::App app{"Speed of narrow bands, ours beside a peer in one run"};
   TableOptions options;
   std::string json_file;
