@@ -1,5 +1,8 @@
 // flow and manifold on curves and a recording whose answers are known.
+#include <gmock/gmock.h>
+
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +13,7 @@
 namespace sonoband::test {
 namespace {
 
+using testing::HasSubstr;
 using Json = nlohmann::json;
 
 class CurveVerbs : public ToolTest {
@@ -209,16 +213,26 @@ TEST_F(CurveVerbs, ManifoldOfADopplerRecordingIsInColour) {
 
 TEST_F(CurveVerbs, ManifoldSaysWhatIsWrongWithACurve) {
   write_recording();
-  const auto code = [&](const std::string& curve, const std::string& reach) {
-    return run_tool(manifold({"--curve", curve, "--reach-mm", reach})).exit_code;
+  const auto refused = [&](const std::string& curve, const std::string& reach) {
+    std::filesystem::remove(path("band.png"));
+    const ToolRun run = run_tool(manifold({"--curve", curve, "--reach-mm", reach}));
+    EXPECT_EQ(run.exit_code, 2) << curve;
+    EXPECT_FALSE(std::filesystem::exists(path("band.png"))) << curve;
+    return run.err;
   };
-  EXPECT_EQ(code("5,4", "6"), 2);
-  EXPECT_EQ(code("5,4 5,4", "6"), 2);
-  EXPECT_EQ(code("5,4 5;9", "6"), 2);
-  EXPECT_EQ(code("5,4 nan,9", "6"), 2);
-  EXPECT_EQ(code("5,4 15,4", "-1"), 2);
-  EXPECT_EQ(code("5,4 15,4", "9000"), 0);
-  EXPECT_EQ(code("0,0 1e7,0", "6"), 2);
+  EXPECT_THAT(refused("5,4", "6"),
+              HasSubstr("--curve: the curve has all its points in one place; draw at least two"));
+  EXPECT_THAT(refused("5,4 5,4", "6"),
+              HasSubstr("--curve: the curve has all its points in one place; draw at least two"));
+  EXPECT_THAT(refused("5,4 5;9", "6"), HasSubstr("--curve: '5;9' is not 2 numbers with commas between"));
+  EXPECT_THAT(refused("5,4 nan,9", "6"), HasSubstr("--curve: 'nan,9' is not 2 numbers with commas between"));
+  EXPECT_THAT(refused("5,4 15,4", "-1"), HasSubstr("--reach-mm: Value -1 not in range 0"));
+  EXPECT_THAT(refused("0,0 1e7,0", "6"),
+              HasSubstr("--curve: the curve is longer than 65536 pixels or points; draw a shorter one"));
+  EXPECT_EQ(run_tool(manifold({"--curve", "5,4 15,4", "--reach-mm", "9000"})).exit_code, 0);
+}
+
+TEST_F(CurveVerbs, SayHowTheyAreUsed) {
   EXPECT_EQ(run_tool({"manifold", "--help"}).exit_code, 0);
   EXPECT_EQ(run_tool({"flow", "--help"}).exit_code, 0);
 }

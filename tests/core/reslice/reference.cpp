@@ -139,6 +139,15 @@ int rounded_mean(int sum, int count) {
   return static_cast<int>(std::floor(static_cast<double>(sum) / count + 0.5));
 }
 
+// Of `count` samples, `greys` of them without colour.
+std::uint8_t mean(int velocity, int grey, int greys, int count) {
+  if (greys < count) {
+    const int level = static_cast<int>(std::round(static_cast<double>(velocity) / count));
+    if (level != 0) return doppler::velocity_key(level);
+  }
+  return static_cast<std::uint8_t>(greys > 0 ? rounded_mean(grey, greys) : 0);
+}
+
 std::uint8_t compound(const std::vector<std::uint8_t>& samples, Compounding how, PixelKind kind) {
   if (how == Compounding::maximum) return *std::max_element(samples.begin(), samples.end());
   if (how == Compounding::minimum) return *std::min_element(samples.begin(), samples.end());
@@ -151,12 +160,7 @@ std::uint8_t compound(const std::vector<std::uint8_t>& samples, Compounding how,
       ++greys;
     }
   }
-  const int count = static_cast<int>(samples.size());
-  if (greys < count) {
-    const int mean = static_cast<int>(std::round(static_cast<double>(velocity) / count));
-    if (mean != 0) return doppler::velocity_key(mean);
-  }
-  return static_cast<std::uint8_t>(greys > 0 ? rounded_mean(grey, greys) : 0);
+  return mean(velocity, grey, greys, static_cast<int>(samples.size()));
 }
 
 template <class Body>  // body(x, row, layer, point)
@@ -166,6 +170,47 @@ void for_each_sample(const LineBundle& bundle, int x, int row, Body body) {
     if (!bundle.present.empty() && bundle.present[line] == 0) continue;
     body(Eigen::Vector3d(bundle.starts[line].v + x * bundle.step.v));
   }
+}
+
+// What a sample may be when every foot may err by `px` and every distance by `mm`.
+struct TiedSample {
+  std::vector<std::uint8_t> values;
+  bool absent = false;  // it may be, too
+};
+TiedSample tied_sample(const Sweep& sweep, const Eigen::Vector3d& p, double px, double mm) {
+  const auto options = [&](double at) {
+    std::vector<double> pixels{std::floor(at + 0.5 - px)};
+    if (std::floor(at + 0.5 + px) != pixels[0]) pixels.push_back(pixels[0] + 1);
+    return pixels;
+  };
+  struct Choice {
+    double distance;
+    std::vector<std::uint8_t> values;
+  };
+  std::vector<Choice> choices;
+  double certain = std::numeric_limits<double>::infinity();
+  for (const Foot& f : sweep.feet(p)) {
+    if (std::abs(f.z) > f.gap + mm) continue;
+    Choice choice{std::abs(f.z), {}};
+    bool sure = std::abs(f.z) <= f.gap - mm;
+    for (const double v : options(f.y)) {
+      for (const double u : options(f.x)) {
+        if (in_picture(sweep.view(), *f.frame, u, v)) {
+          choice.values.push_back(f.frame->bscan.pixels(static_cast<int>(u), static_cast<int>(v)));
+        } else {
+          sure = false;
+        }
+      }
+    }
+    if (sure) certain = std::min(certain, choice.distance);
+    if (!choice.values.empty()) choices.push_back(choice);
+  }
+  TiedSample sample;
+  sample.absent = !std::isfinite(certain);
+  for (const Choice& c : choices)
+    if (c.distance <= certain + mm)
+      sample.values.insert(sample.values.end(), c.values.begin(), c.values.end());
+  return sample;
 }
 
 }  // namespace
@@ -213,50 +258,19 @@ TieRange reference_ties(const SweepView& view, const LineBundle& bundle, const R
   if (view.frames.empty()) return range;
   const Sweep sweep(view, settings.gap);
   const PixelKind kind = view.frames.front()->bscan.kind;
-  const auto options = [&](double at) {
-    std::vector<double> pixels{std::floor(at + 0.5 - px)};
-    if (std::floor(at + 0.5 + px) != pixels[0]) pixels.push_back(pixels[0] + 1);
-    return pixels;
-  };
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       // Of a sample that may also be absent, both ends of the range try with and without.
       std::vector<std::uint8_t> low, high, low_always, high_always;
       for_each_sample(bundle, x, y, [&](const Eigen::Vector3d& p) {
-        const std::vector<Foot> feet = sweep.feet(p);
-        struct Choice {
-          const Foot* foot;
-          std::vector<std::uint8_t> values;
-        };
-        std::vector<Choice> choices;
-        double certain = std::numeric_limits<double>::infinity();
-        for (const Foot& f : feet) {
-          if (std::abs(f.z) > f.gap + mm) continue;
-          Choice choice{&f, {}};
-          bool sure = std::abs(f.z) <= f.gap - mm;
-          for (const double v : options(f.y)) {
-            for (const double u : options(f.x)) {
-              if (in_picture(view, *f.frame, u, v)) {
-                choice.values.push_back(f.frame->bscan.pixels(static_cast<int>(u), static_cast<int>(v)));
-              } else {
-                sure = false;
-              }
-            }
-          }
-          if (sure) certain = std::min(certain, std::abs(f.z));
-          if (!choice.values.empty()) choices.push_back(choice);
-        }
-        int lo = 256, hi = -1;
-        for (const Choice& c : choices) {
-          if (std::abs(c.foot->z) > certain + mm) continue;
-          for (const std::uint8_t v : c.values) lo = std::min<int>(lo, v), hi = std::max<int>(hi, v);
-        }
-        if (hi < 0) return;
-        low.push_back(static_cast<std::uint8_t>(lo));
-        high.push_back(static_cast<std::uint8_t>(hi));
-        if (std::isfinite(certain)) {
-          low_always.push_back(static_cast<std::uint8_t>(lo));
-          high_always.push_back(static_cast<std::uint8_t>(hi));
+        const TiedSample sample = tied_sample(sweep, p, px, mm);
+        if (sample.values.empty()) return;
+        const auto [lo, hi] = std::minmax_element(sample.values.begin(), sample.values.end());
+        low.push_back(*lo);
+        high.push_back(*hi);
+        if (!sample.absent) {
+          low_always.push_back(*lo);
+          high_always.push_back(*hi);
         }
       });
       range.least_coverage.view()(x, y) = static_cast<std::uint16_t>(low_always.size());
@@ -274,6 +288,36 @@ TieRange reference_ties(const SweepView& view, const LineBundle& bundle, const R
     }
   }
   return range;
+}
+
+std::set<std::pair<int, int>> reference_tied_means(const SweepView& view, const LineBundle& bundle,
+                                                   const GapLimit& gap, int x, int row, double px,
+                                                   double mm) {
+  const Sweep sweep(view, gap);
+  const PixelKind kind = view.frames.front()->bscan.kind;
+  struct Sums {
+    int velocity = 0, grey = 0, greys = 0, count = 0;
+    auto operator<=>(const Sums&) const = default;  // NOLINT(modernize-use-nullptr)
+  };
+  std::set<Sums> reached{Sums{}};
+  for_each_sample(bundle, x, row, [&](const Eigen::Vector3d& p) {
+    const TiedSample sample = tied_sample(sweep, p, px, mm);
+    if (sample.values.empty()) return;
+    std::set<Sums> next;
+    for (const Sums& s : reached) {
+      if (sample.absent) next.insert(s);
+      for (const std::uint8_t v : sample.values) {
+        const bool colour = kind == PixelKind::doppler && doppler::is_colour(v);
+        next.insert({s.velocity + (colour ? doppler::velocity(v) : 0), s.grey + (colour ? 0 : v),
+                     s.greys + (colour ? 0 : 1), s.count + 1});
+      }
+    }
+    reached = std::move(next);
+  });
+  std::set<std::pair<int, int>> results;
+  for (const Sums& s : reached)
+    results.insert({s.count > 0 ? mean(s.velocity, s.grey, s.greys, s.count) : 0, s.count});
+  return results;
 }
 
 }  // namespace sonoband::test

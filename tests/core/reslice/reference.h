@@ -2,6 +2,9 @@
 // the judge of every kernel. Slow on purpose, and written apart from the kernels.
 #pragma once
 
+#include <set>
+#include <utility>
+
 #include "core/reslice/band.h"
 
 namespace sonoband::test {
@@ -17,5 +20,10 @@ struct TieRange {
 };
 TieRange reference_ties(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                         double px, double mm);
+
+// Of a mean, every (value, coverage) that pixel (x, row) may then have: means of Doppler keys have no order
+// that a range could be of.
+std::set<std::pair<int, int>> reference_tied_means(const SweepView& sweep, const LineBundle& bundle,
+                                                   const GapLimit& gap, int x, int row, double px, double mm);
 
 }  // namespace sonoband::test
