@@ -103,7 +103,7 @@ void manifold(const SweepOptions& sweep_options, const PlaneOptions& plane_optio
   json["smeared_rows"] = std::count(band.smeared.begin(), band.smeared.end(), 255);
   json["c_u"] = lines_json(band.up);
   json["c_d"] = lines_json(band.down);
-  write_picture(band.image, settings, json, out);
+  write_picture(band.image, colour_bar(sweep_options), settings, json, out);
   if (!surface.smear.empty()) write_smear(band, plane.pixel_mm, surface.smear);
   print_picture(sweep, settings, band.image, milliseconds, out);
 }

@@ -63,10 +63,10 @@ Json picture_json(const SweepOptions& options, const exchange::SequenceSweep& sw
   return json;
 }
 
-void write_picture(const BandImage& image, const RenderSettings& settings, const Json& json,
-                   const PictureOutputs& out) {
+void write_picture(const BandImage& image, const doppler::ColourBar& bar, const RenderSettings& settings,
+                   const Json& json, const PictureOutputs& out) {
   const double pixel_mm = json["plane"]["pixel_mm"];
-  exchange::PngPicture picture = exchange::band_png(image);
+  exchange::PngPicture picture = exchange::band_png(image, bar);
   picture.pixel_mm = pixel_mm;
   picture.texts = {{"Software", "sonoband-tool"},
                    {"Disclaimer", "research use only"},

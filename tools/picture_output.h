@@ -32,9 +32,10 @@ Json picture_json(const SweepOptions& options, const exchange::SequenceSweep& sw
                   const ReslicePlane& plane, const RenderSettings& settings, const BandImage& image,
                   double milliseconds);
 
-// Writes what `out` names; `json` as picture_json gives it, or with more in it. Throws BadInput.
-void write_picture(const BandImage& image, const RenderSettings& settings, const Json& json,
-                   const PictureOutputs& out);
+// Writes what `out` names, Doppler in the bar's colours; `json` as picture_json gives it, or with more in it.
+// Throws BadInput.
+void write_picture(const BandImage& image, const doppler::ColourBar& bar, const RenderSettings& settings,
+                   const Json& json, const PictureOutputs& out);
 
 // One line about the picture, and one for each cause of frames left out.
 void print_picture(const exchange::SequenceSweep& sweep, const RenderSettings& settings,

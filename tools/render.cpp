@@ -34,7 +34,7 @@ void render(const SweepOptions& sweep_options, const PlaneOptions& plane_options
   const double milliseconds = seconds(clock.now() - begin) * 1e3;
 
   Json json = picture_json(sweep_options, sweep, plane, settings, image, milliseconds);
-  write_picture(image, settings, json, out);
+  write_picture(image, colour_bar(sweep_options), settings, json, out);
   print_picture(sweep, settings, image, milliseconds, out);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <sstream>
 
 #include "app/exchange/sequence_file.h"
 #include "app/exchange/text.h"
@@ -14,11 +15,30 @@ namespace sonoband::tools {
 
 namespace {
 
+void take_ramp(const std::string& colours, const std::string& option,
+               std::array<doppler::Rgb, doppler::level_count>& levels) {
+  if (colours.empty()) return;
+  std::vector<doppler::Rgb> rgb;
+  std::istringstream words(colours);
+  for (std::string colour; words >> colour;) {
+    const std::vector<double> n = comma_numbers(colour, 3, option);
+    for (const double v : n)
+      if (v != std::floor(v) || v < 0 || v > 255)
+        throw CLI::ValidationError(option, "'" + colour + "' is no colour; give R,G,B, each from 0 to 255");
+    rgb.push_back(
+        {static_cast<std::uint8_t>(n[0]), static_cast<std::uint8_t>(n[1]), static_cast<std::uint8_t>(n[2])});
+  }
+  if (rgb.size() < 2)
+    throw CLI::ValidationError(option, "one colour is no bar; give at least two, from dark to bright");
+  levels = doppler::ramp(rgb);
+}
+
 exchange::SweepRequest request_of(const SweepOptions& o) {
   exchange::SweepRequest request;
   request.world = o.world;
   request.mask = o.mask != "none";
   request.colour = o.colour;
+  request.bar = colour_bar(o);
   if (!o.frames.empty()) {
     const std::size_t dash = o.frames.find('-');
     const auto first = exchange::parse_integer(o.frames.substr(0, dash));
@@ -68,6 +88,18 @@ void add_colour_option(CLI::App& verb, const std::shared_ptr<SweepOptions>& opti
   verb.add_option("--colour", options->colour,
                   "An RGB recording's colours: doppler, grey, or auto (Doppler where it shows flow)")
       ->transform(CLI::CheckedTransformer(names, CLI::ignore_case).description("auto|doppler|grey"));
+  verb.add_option(
+      "--towards", options->towards,
+      "The scanner's colour bar for flow towards the probe: \"R,G,B R,G,B ...\" from dark to bright "
+      "(default: dark red, red, yellow)");
+  verb.add_option("--away", options->away, "The same for flow away from it (default: dark blue, blue, cyan)");
+}
+
+doppler::ColourBar colour_bar(const SweepOptions& options) {
+  doppler::ColourBar bar = doppler::red_blue_bar();
+  take_ramp(options.towards, "--towards", bar.red);
+  take_ramp(options.away, "--away", bar.blue);
+  return bar;
 }
 
 void check_sweep_options(const SweepOptions& options) {

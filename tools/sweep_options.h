@@ -20,12 +20,17 @@ struct SweepOptions {
   std::string clip;    // X,Y,W,H
   std::string mask = "auto";
   exchange::ColourUse colour = exchange::ColourUse::grey;
+  std::string towards, away;  // R,G,B R,G,B ..., from dark to bright; empty: the usual bar's
 };
 
 std::shared_ptr<SweepOptions> add_sweep_options(CLI::App& verb);
 
-// --colour, for verbs whose output can show it; without this option colour is rendered as grey.
+// --colour and the scanner's colour bar (--towards, --away), for verbs whose output can show colour; without
+// them it is rendered as grey.
 void add_colour_option(CLI::App& verb, const std::shared_ptr<SweepOptions>& options);
+
+// Throws CLI::ValidationError for what is no colour.
+doppler::ColourBar colour_bar(const SweepOptions& options);
 
 // Wrong usage that can be seen before anything is read.
 void check_sweep_options(const SweepOptions& options);

@@ -11,7 +11,6 @@
 
 #include "app/bad_input.h"
 #include "app/exchange/file_beside.h"
-#include "core/image/colour_bar.h"
 
 namespace sonoband::exchange {
 
@@ -84,10 +83,9 @@ PngPicture grey_png(ConstPixels pixels) {
   return picture;
 }
 
-PngPicture picture_png(ConstPixels pixels, PixelKind kind) {
+PngPicture picture_png(ConstPixels pixels, PixelKind kind, const doppler::ColourBar& bar) {
   if (kind == PixelKind::grey) return grey_png(pixels);
   PngPicture picture{.width = pixels.width, .height = pixels.height, .channels = 3, .bytes = {}, .texts = {}};
-  const doppler::ColourBar bar = doppler::red_blue_bar();
   picture.bytes.reserve(static_cast<std::size_t>(picture.width) * picture.height * 3);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
@@ -97,8 +95,8 @@ PngPicture picture_png(ConstPixels pixels, PixelKind kind) {
   return picture;
 }
 
-PngPicture band_png(const BandImage& image) {
-  return picture_png(image.pixels.view(), image.kind);
+PngPicture band_png(const BandImage& image, const doppler::ColourBar& bar) {
+  return picture_png(image.pixels.view(), image.kind, bar);
 }
 
 PngPicture coverage_png(const BandImage& image, int layers) {

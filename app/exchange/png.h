@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/image/colour_bar.h"
 #include "core/image/image.h"
 #include "core/reslice/band.h"
 
@@ -25,9 +26,10 @@ struct PngPicture {
 
 PngPicture grey_png(ConstPixels pixels);
 
-// As people see it: grey as it is; Doppler keys in the colours of red_blue_bar.
-PngPicture picture_png(ConstPixels pixels, PixelKind kind);
-PngPicture band_png(const BandImage& image);
+// As people see it: grey as it is; Doppler keys in the colours of the bar.
+PngPicture picture_png(ConstPixels pixels, PixelKind kind,
+                       const doppler::ColourBar& bar = doppler::red_blue_bar());
+PngPicture band_png(const BandImage& image, const doppler::ColourBar& bar = doppler::red_blue_bar());
 
 // 0 where no layer had data, else round(255 count / layers), at least 1.
 PngPicture coverage_png(const BandImage& image, int layers);

@@ -93,7 +93,7 @@ void make_bytes(SequenceSweep& sweep, const PlusConfig& config, const SweepReque
   if (request.mask) sweep.mask = sector_mask(s.width, s.height, config.clip, request.clip, config.fan, file);
   const bool rgb = s.components == 3 && s.element_type == ElementType::uint8;
   if (rgb && request.colour != ColourUse::grey) {
-    const doppler::ColourClassifier classifier(doppler::red_blue_bar(), {});
+    const doppler::ColourClassifier classifier(request.bar, {});
     if (request.colour == ColourUse::doppler || shows_flow(s, sweep.mask.view(), classifier)) {
       Pixels ultrasound = make_doppler(s, sweep.mask.view(), classifier, moved(sweep));
       if (request.mask) sweep.mask = std::move(ultrasound);

@@ -9,6 +9,7 @@
 #include "app/exchange/plus_config.h"
 #include "app/exchange/sequence.h"
 #include "app/exchange/transform_graph.h"
+#include "core/image/colour_bar.h"
 #include "core/sweep/tracked_frame.h"
 
 namespace sonoband::exchange {
@@ -26,6 +27,7 @@ struct SweepRequest {
   std::optional<ClipRectangle> clip;          // besides the configuration's
   bool mask = true;  // false: neither the configuration's clip and fan nor `clip` nor the scanner's drawings
   ColourUse colour = ColourUse::automatic;
+  doppler::ColourBar bar = doppler::red_blue_bar();  // the scanner's, by which colours become velocities
 };
 
 struct LeftOut {
@@ -57,7 +59,7 @@ TransformGraph shared_transforms(const TrackedSequence& sequence, const PlusConf
 std::string default_world(const TrackedSequence& sequence);
 
 // Every frame that has a picture and a usable way from Image to the world. RGB becomes Doppler keys by the
-// red/blue bar, with what the scanner draws masked out (make_doppler), or luma (BT.601); samples other than
+// request's bar, with what the scanner draws masked out (make_doppler), or luma (BT.601); samples other than
 // 8-bit grey are taken as they are where all lie in 0..255, else stretched linearly from the sequence's
 // smallest and largest value to 0..255; a warning says which. Frames keep the order of the file; their stamps
 // count only where every frame has one and they never fall. Throws BadInput where nothing can be rendered, or

@@ -1,4 +1,6 @@
 // The verbs on a synthetic recording whose every voxel is known.
+#include <gmock/gmock.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 namespace sonoband::test {
 namespace {
 
+using testing::HasSubstr;
 using Json = nlohmann::json;
 
 // 20 frames of 40 x 30 pixels of 0.5 mm, 1 mm apart along z: frame i is i+1 everywhere, but frame 10 has a
@@ -98,6 +101,54 @@ TEST_F(Verbs, ADopplerRecordingGivesAPictureInColour) {
   ASSERT_EQ(render(across_and({"--colour", "grey"})).exit_code, 0);
   EXPECT_EQ(exchange::read_png(path("out.png")).channels, 1);
   EXPECT_EQ(render(across_and({"--colour", "green"})).exit_code, 2);
+}
+
+// Green towards the probe: on the usual bar it is no flow, and what is no flow is masked.
+TEST_F(Verbs, FlowIsReadAndShownByTheScannersOwnBar) {
+  exchange::TrackedSequence s;
+  s.width = 40;
+  s.height = 30;
+  s.components = 3;
+  s.frames.resize(20);
+  s.pixels = exchange::PixelBuffer(3 * 40 * 30 * 20);
+  for (int i = 0; i < 20; ++i) {
+    std::uint8_t* frame = s.pixels.bytes().data() + static_cast<std::size_t>(i) * 3600;
+    std::fill_n(frame, 3600, static_cast<std::uint8_t>(40 + 3 * i));
+    for (std::size_t x = 12; x < 16; ++x) {
+      std::uint8_t* c = frame + (8 * 40 + x) * 3;
+      c[0] = c[2] = 8;
+      c[1] = static_cast<std::uint8_t>(i % 2 == 0 ? 240 : 200);
+    }
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose(2, 3) = i;
+    exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Probe", "Reference"}, pose);
+  }
+  exchange::write_sequence(s, sequence);
+  const auto colour = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--thickness-mm", "2", "--colour", "doppler"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(render(across_and(words)).exit_code, 0);
+    const auto picture = exchange::read_png(path("out.png"));
+    const std::uint8_t* c = &picture.bytes[3 * static_cast<std::size_t>(20 * 40 + 13)];
+    return doppler::Rgb{c[0], c[1], c[2]};
+  };
+  const doppler::Rgb green = colour({"--towards", "0,64,0 0,255,0"});
+  // The brighter pulse, within the classifier's steps of 8 greys.
+  EXPECT_NEAR(green.g, 240, 12);
+  EXPECT_EQ(green.r, 0);
+  EXPECT_EQ(green.b, 0);
+  const doppler::Rgb usual = colour({});
+  EXPECT_EQ(usual.r, usual.g);
+  EXPECT_EQ(usual.g, usual.b);
+
+  const auto refused = [&](const std::string& bar) {
+    const ToolRun run = render(across_and({"--away", bar}));
+    EXPECT_EQ(run.exit_code, 2) << bar;
+    return run.err;
+  };
+  EXPECT_THAT(refused("0,0,255"), HasSubstr("--away: one colour is no bar; give at least two"));
+  EXPECT_THAT(refused("0,0,255 0,0,256"), HasSubstr("--away: '0,0,256' is no colour; give R,G,B"));
+  EXPECT_THAT(refused("0,0 0,0,25"), HasSubstr("--away: '0,0' is not 3 numbers"));
 }
 
 TEST_F(Verbs, HelpIsSuccessAndWrongUsageIsTwo) {
