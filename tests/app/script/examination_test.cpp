@@ -114,7 +114,8 @@ render thin.png
     if (json.contains("sweep")) sweeps.push_back(json["sweep"]);
     if (json.contains("picture")) ++pictures;
     if (!json.contains("state")) continue;
-    if (states.empty() || states.back() != json["state"]) states.push_back(json["state"]);
+    const auto state = json["state"].get<std::string>();
+    if (states.empty() || states.back() != state) states.push_back(state);
     if (!newest.is_null()) {
       EXPECT_LE(json["at"].get<double>() - newest["at"].get<double>(), 0.6);
     }
