@@ -6,7 +6,7 @@
 
 #include "app/bad_input.h"
 #include "app/exam/exam_folder.h"
-#include "tools/interrupt.h"
+#include "app/interrupt.h"
 #include "tools/sweep_options.h"
 
 namespace sonoband::tools {

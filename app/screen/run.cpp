@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 
+#include "app/interrupt.h"
 #include "app/screen/loop.h"
 #include "app/screen/player.h"
 #include "app/screen/touch_reader.h"
@@ -19,7 +20,8 @@ void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& op
   std::optional<TouchReader> fingers;
   if (touch != nullptr) fingers.emplace(*touch, cart.clock(), [&window] { window.wake(); });
   ui::Input input;
-  while (!loop.quits()) {
+  const Interruptible interruptible;
+  while (!loop.quits() && !interruptible.asked_to_stop()) {
     window.poll(input, cart.clock().now(), loop.may_sleep());
     if (fingers) {
       fingers->take(window.panel_px(), input);

@@ -53,10 +53,10 @@ struct ScreenOptions {
 // and the space bar work through the cart's record button.
 using Foot = std::function<bool(bool down)>;
 
-// In a window, until it is closed. `cart` is started and owned by the calling thread. `touch` is the board's
-// touchscreen, read on a thread of its own; null: fingers come through the window system. `cues` makes the
-// sounds; null: none. Throws std::runtime_error with one sentence when there is no display, BadInput where a
-// font or a folder fails.
+// In a window, until it is closed or the program is told to end (SIGINT, SIGTERM). `cart` is started and
+// owned by the calling thread. `touch` is the board's touchscreen, read on a thread of its own; null: fingers
+// come through the window system. `cues` makes the sounds; null: none. Throws std::runtime_error with one
+// sentence when there is no display, BadInput where a font or a folder fails.
 void run_window(cart::Appliance& cart, const Foot& foot, const ScreenOptions& options, Touch* touch = nullptr,
                 CuePlayer* cues = nullptr);
 

@@ -1,7 +1,8 @@
-// Ctrl-C and a polite kill as a question, so that a verb can take away what is half written.
+// Ctrl-C and a polite kill as a question, so that a verb can take away what is half written, and the cart
+// saves a sweep that is being recorded.
 #pragma once
 
-namespace sonoband::tools {
+namespace sonoband {
 
 // While one lives, SIGINT and SIGTERM are only noted; a second one ends the program as usual. One at a time.
 class Interruptible {
@@ -14,4 +15,4 @@ class Interruptible {
   bool asked_to_stop() const;
 };
 
-}  // namespace sonoband::tools
+}  // namespace sonoband

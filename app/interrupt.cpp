@@ -1,8 +1,8 @@
-#include "tools/interrupt.h"
+#include "app/interrupt.h"
 
 #include <csignal>
 
-namespace sonoband::tools {
+namespace sonoband {
 
 namespace {
 
@@ -31,4 +31,4 @@ bool Interruptible::asked_to_stop() const {
   return noted != 0;
 }
 
-}  // namespace sonoband::tools
+}  // namespace sonoband
