@@ -15,6 +15,8 @@
 
 namespace sonoband::exam {
 
+constexpr int longest_side_px = 16384;  // of a picture that is believed
+
 // Part of a captured picture, in pixels of the capture.
 struct CropRect {
   int x = 0;
