@@ -13,6 +13,13 @@ constexpr std::size_t many_candidates = 10;
 
 int BandPainter::paint_cells(const ChainCells& cells, const PatchSite& site) {
   const int count = static_cast<int>(cells.boundaries.size()) - 1;
+  if (!cells.reaches.empty()) {
+    ends_.clear();
+    const int start = patch_kernels().take_chain_ends(cells.frames.data(), cells.boundaries.data(), count,
+                                                      site, rule_, totals_.piece(), ends_.without());
+    ends_.hand_over(cells, tile_.grid, site, rule_, totals_.piece());
+    return start;
+  }
   if (!linear_) {
     return patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
                                       totals_.piece());
@@ -104,11 +111,17 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
 }
 
 void BandPainter::thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) {
-  if (thinning_.pixel_mm == 0) return;
+  if (thinning_.pixel_mm == 0 || !chain.whole) return;
   const std::size_t members = chain.members.size();
   thin_chain(table(), candidates, box, thinning_.pixel_mm, interpolation(), chain);
   // Tiles of the table for the rest are counted as they are opened.
   if (thinning_.rest == nullptr) left_out_.add(members, chain.members.size());
+}
+
+bool BandPainter::find_chain(const std::vector<Candidate>& candidates, const SampleBox& box,
+                             Chain& chain) const {
+  return may_end() ? make_ending_chain(table(), candidates, box, chain)
+                   : make_chain(table(), candidates, box, chain);
 }
 
 // A patch of a tile whose frames are no chain throughout.
@@ -123,7 +136,7 @@ void BandPainter::paint_block(const Lattice& lattice, const LatticeBlock& block,
   }
   const LaneMask lanes = existing_lanes(tile_.shape, block.width, block.height);
   Chain chain;
-  if (make_chain(table(), candidates, box, chain)) {
+  if (find_chain(candidates, box, chain)) {
     thin(candidates, box, chain);
     lay_out(lattice, tile_, chain, candidates, box, block.l, interpolation(), cells_);
     paint_layers(cells_, {block.a - tile_.block.a, block.b - tile_.block.b, block.depth, lanes}, block.l);
@@ -240,7 +253,7 @@ void BandPainter::paint_region(const Lattice& lattice, const LatticeBlock& regio
     return;
   }
   Chain chain;
-  if (region.depth <= patch_layers && make_chain(table(), candidates, box, chain)) {
+  if (region.depth <= patch_layers && find_chain(candidates, box, chain)) {
     thin(candidates, box, chain);
     paint_chain(lattice, region, box, candidates, chain);
     return;
@@ -290,12 +303,13 @@ std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox&
 
 // False where no frame reaches the tile.
 bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b) {
-  if (!tile.find(table_, lattice, reach.frames, interpolation(), a, b)) return false;
-  if (tile.is_chain && thinning_.pixel_mm > 0) {
+  if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b)) return false;
+  const bool whole = tile.is_chain && tile.chain.whole;
+  if (whole && thinning_.pixel_mm > 0) {
     tile.thin(interpolation(), thinning_.pixel_mm, left_out_);
-  } else if (!tile.is_chain && thinning_.rest != nullptr) {
+  } else if (!whole && thinning_.rest != nullptr) {
     const std::size_t all = tile.candidates.size();
-    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), a, b)) return false;
+    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b)) return false;
     left_out_.add(all, tile.candidates.size());
   }
   // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces; for the few

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "core/reslice/chain_cells.h"
+#include "core/reslice/chain_ends.h"
 #include "core/reslice/chain_walk.h"
 #include "core/reslice/patch_totals.h"
 #include "core/reslice/tile.h"
@@ -59,6 +60,9 @@ class BandPainter {
   int paint_layers(const ChainCells& cells, PatchSite site, int first_layer);
   void blend_cell(const ChainCells& cells, int cell, const PatchSite& site, const LayerRange& range,
                   LaneMask* masks);
+  bool find_chain(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) const;
+  // Chains may be taken whose pictures end.
+  bool may_end() const { return !linear_ && !apart(); }
   // What a tile's, or a patch's, frames are of.
   const FrameTable& table() const { return *tile_.table; }
   // Those that may matter to a box, ascending.
@@ -115,6 +119,7 @@ class BandPainter {
   PatchLayers apart_;
   Tile tile_, next_tile_;
   ChainCells cells_;
+  ChainEnds ends_;
   Winners winners_;
   PatchPlace place_;
   BlendSide side_a_, side_b_;

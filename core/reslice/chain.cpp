@@ -19,13 +19,13 @@ Span gap_between(const FrameTable& table, const Candidate& before, const Candida
   return span_of({a.gradient - b.gradient, a.offset - b.offset}, box);
 }
 
-}  // namespace
+bool whole(std::span<const Candidate> candidates) {
+  return std::all_of(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.full; });
+}
 
-bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
-                Chain& chain) {
-  if (candidates.empty()) return false;
-  for (const Candidate& c : candidates)
-    if (!c.full) return false;
+// All that make_chain asks for but that the pictures hold every foot.
+bool follow_one_another(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                        Chain& chain) {
   chain.members.resize(candidates.size());
   std::iota(chain.members.begin(), chain.members.end(), 0);
   std::sort(chain.members.begin(), chain.members.end(),
@@ -57,6 +57,20 @@ bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, 
     return false;
   };
   return !(chain.first_ends && outreached(first)) && !(chain.last_ends && outreached(last));
+}
+
+}  // namespace
+
+bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                Chain& chain) {
+  chain.whole = true;
+  return !candidates.empty() && whole(candidates) && follow_one_another(table, candidates, box, chain);
+}
+
+bool make_ending_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                       Chain& chain) {
+  chain.whole = whole(candidates);
+  return !candidates.empty() && follow_one_another(table, candidates, box, chain);
 }
 
 void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,

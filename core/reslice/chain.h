@@ -13,6 +13,7 @@ struct Chain {
   std::vector<int> members;  // indices into the candidates, by falling z
   bool first_ends = false;   // samples may lie beyond the first frame: its reach must be checked
   bool last_ends = false;
+  bool whole = true;  // every member's picture and mask hold every foot
 };
 
 // True where the bisectors alone give the definition's nearest frame at every sample of the box:
@@ -24,6 +25,12 @@ struct Chain {
 //  - beyond either end the end frame is nearest, and where it is out of reach every other is too.
 bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
                 Chain& chain);
+
+// True where all but the first of these holds: pictures may end in the box. Of all frames, whatever their
+// pictures hold, the bisectors then give the nearest, and where its picture holds the foot it is the
+// definition's. Elsewhere another one may be (chain_ends.h).
+bool make_ending_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
+                       Chain& chain);
 
 // Leaves out members that lie denser than the output's pixels of `pixel_mm`, by a rule that keeps the
 // definition's values within half an output pixel in position, at every sample of the box; a pixel counts as

@@ -122,6 +122,7 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
   cells.members.clear();
   cells.frames.clear();
   cells.distances.clear();
+  cells.reaches.clear();
   cells.shares.clear();
   cells.boundaries.clear();
   cells.grey_taps = linear && table.kind == PixelKind::grey;
@@ -145,7 +146,13 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
       cells.distances.push_back(layout.distance(mm));
       cells.grey_taps = cells.grey_taps && all_taps_kept(table, entry(m), box);
       if (m > 0) layout.share(z(m - 1), less(z(m - 1), mm), box, cells.shares.emplace_back());
-    } else if (m > 0) {
+      continue;
+    }
+    if (!chain.whole) {
+      cells.distances.push_back(layout.distance(mm));
+      cells.reaches.push_back(static_cast<float>(reach(m)));
+    }
+    if (m > 0) {
       const AffineScalar before = z(m - 1);
       const bool later = cells.members[m] > cells.members[m - 1];
       cells.boundaries.push_back(

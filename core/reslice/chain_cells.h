@@ -13,7 +13,8 @@ namespace sonoband {
 struct ChainCells {
   std::vector<int> members;               // places in the tile's frames
   std::vector<ChainFrame> frames;         // theirs
-  std::vector<TileDistance> distances;    // theirs; linear only
+  std::vector<TileDistance> distances;    // theirs; of linear and of chains whose pictures end
+  std::vector<float> reaches;             // theirs, in mm; of chains whose pictures end
   std::vector<ChainShare> shares;         // between neighbours; linear only
   std::vector<ChainBoundary> boundaries;  // one more than cells
   bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask

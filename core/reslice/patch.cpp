@@ -43,6 +43,10 @@ void make_patch_frame(const FrameEntry& frame, const FootSteps& steps, const Lan
   out.stride = frame.stride;
   out.width = frame.width;
   out.height = frame.height;
+  out.first_x = out.first_y = 0;
+  out.last_x = frame.width - 1;
+  out.last_y = frame.height - 1;
+  out.mask = nullptr;
   const auto fixed = [](double px) { return std::llround(px * fixed_per_px); };
   const PatchKernels& kernels = patch_kernels();
   const auto [least_x, greatest_x] =

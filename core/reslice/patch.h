@@ -77,6 +77,9 @@ struct alignas(64) PatchFrame {
   const std::uint8_t* pixels = nullptr;
   std::ptrdiff_t stride = 0;
   int width = 0, height = 0;
+  int first_x = 0, last_x = 0, first_y = 0, last_y = 0;  // of the pixels that are the picture's
+  const std::uint8_t* mask = nullptr;  // non-zero where the picture counts; null: wherever it has pixels
+  std::ptrdiff_t mask_stride = 0;
   int least_column = 0, least_row = 0;       // of the whole parts
   int columns = 0, rows = 0;                 // greatest whole part less the least
   std::int32_t least_y = 0, greatest_y = 0;  // of offset_y
@@ -255,6 +258,10 @@ struct PatchKernels {
   int (*take_chain)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                     const PatchSite& site, Rule rule, PatchSums& sums);
 
+  // The same where pictures end: lanes whose frame has no pixel there are added to `without`, by layer.
+  int (*take_chain_ends)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                         const PatchSite& site, Rule rule, PatchSums& sums, LaneMask* without);
+
   // Fills the lanes of either kind.
   void (*lay_share)(const LaneGrid& grid, ChainShare& share);
 
@@ -283,10 +290,8 @@ struct PatchKernels {
   void (*half_space)(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
                      LaneMask* masks);
 
-  // masks[l] &= lanes whose pixel lies in the picture and, where `mask` is given (in place of f.pixels, same
-  // size, non-zero inside), in the mask.
-  void (*inside)(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride, const FixedPx* x,
-                 const FixedPx* y, int layers, LaneMask* masks);
+  // masks[l] &= lanes whose pixel is the picture's and in its mask.
+  void (*inside)(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
 
   // Compounds the pixels of the lanes in masks[l] at positions x[l], y[l] of lane 0. A position is the foot +
   // 1/2 pixel, so that its whole part is the pixel. Those lanes must lie in the picture.

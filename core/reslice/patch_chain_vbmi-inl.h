@@ -191,6 +191,79 @@ HWY_ATTR HWY_INLINE int take_chain_to(const ChainFrame* frames, const ChainBound
                              });
 }
 
+// Any lane whose pixel, from lane 0 at either position, is not the picture's.
+inline bool may_end(const PatchFrame& f, FixedPx x, FixedPx last_x, FixedPx y, FixedPx last_y) {
+  return f.mask != nullptr || whole(std::min(x, last_x)) + f.least_column < f.first_x ||
+         whole(std::max(x, last_x)) + f.least_column + f.columns + 1 > f.last_x ||
+         whole(std::min(y, last_y)) + f.least_row < f.first_y ||
+         whole(std::max(y, last_y)) + f.least_row + f.rows + 1 > f.last_y;
+}
+
+// As take_cell where the frame's picture may end.
+template <class FetchLanes, class To>
+HWY_ATTR HWY_INLINE void take_cell_ends(const ChainFrame& f, const PatchSite& site, const Condition& from,
+                                        const Condition& to, const LayerRange& range, To& gathered,
+                                        LaneMask* without) {
+  FixedPx x[patch_layers], y[patch_layers];
+  LaneMask masks[patch_layers];
+  const int layers = range.high - range.low;
+  x[0] = f.x_at(site, range.low);
+  y[0] = f.y_at(site, range.low);
+  masks[0] = lanes_between(from, to, site, range.low);
+  for (int i = 1; i < layers; ++i) {
+    x[i] = x[i - 1] + f.x_per_layer;
+    y[i] = y[i - 1] + f.y_per_layer;
+    masks[i] = lanes_between(from, to, site, range.low + i);
+  }
+  LaneMask in[patch_layers];
+  std::copy_n(masks, layers, in);
+  inside_permuted(*f.frame, x, y, layers, in);
+  FetchLanes fetch(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
+  for (int i = 0; i < layers; ++i) {
+    without[range.low + i] |= masks[i] & ~in[i];
+    if (in[i] == 0) continue;
+    if (i + layers_ahead < layers) fetch.prefetch(x[i + layers_ahead], y[i + layers_ahead]);
+    gathered.add(range.low + i, in[i], fetch.at(x[i], y[i]));
+  }
+}
+
+template <Rule rule>
+HWY_ATTR int take_chain_ends_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                const PatchSite& site, PatchSums& sums, LaneMask* without) {
+  ToSums<rule> gathered(sums);
+  const int start = walk_conditions(
+      boundaries, count, site,
+      [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
+        const ChainFrame& f = frames[cell];
+        const FixedPx x = f.x_at(site, range.low), last_x = f.x_at(site, range.high - 1);
+        const FixedPx y = f.y_at(site, range.low), last_y = f.y_at(site, range.high - 1);
+        const bool ends = may_end(*f.frame, x, last_x, y, last_y);
+        if (f.frame->fetch == Fetch::window) {
+          if (ends) {
+            take_cell_ends<WindowFetch>(f, site, from, to, range, gathered, without);
+          } else {
+            take_cell<WindowFetch>(f, site, from, to, range, gathered);
+          }
+        } else if (f.frame->fetch == Fetch::rows) {
+          if (ends) {
+            take_cell_ends<RowsFetch>(f, site, from, to, range, gathered, without);
+          } else {
+            take_cell<RowsFetch>(f, site, from, to, range, gathered);
+          }
+        } else {
+          for (int l = range.low; l < range.high; ++l) {
+            const LaneMask m = lanes_between(from, to, site, l);
+            const FixedPx at_x = f.x_at(site, l), at_y = f.y_at(site, l);
+            const LaneMask in = inside_single(*f.frame, at_x, at_y, m);
+            without[l] |= m & ~in;
+            gathered.take(*f.frame, l, at_x, at_y, in);
+          }
+        }
+      });
+  gathered.gathered.store();
+  return start;
+}
+
 template <Rule rule>
 HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                            const PatchSite& site, PatchSums& sums) {

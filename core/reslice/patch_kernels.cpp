@@ -89,6 +89,13 @@ HWY_ATTR inline void lane_offsets(const LaneGrid& grid, float per_sample, float 
   for (int k = 0; k < patch_lanes; ++k) offsets[k] = per_sample * grid.a[k] + per_row * grid.b[k];
 }
 
+HWY_ATTR void inside(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
+#if HWY_TARGET == HWY_AVX3_DL
+  if (f.fetch != Fetch::single) return inside_permuted(f, x, y, layers, masks);
+#endif
+  for (int l = 0; l < layers; ++l) masks[l] = inside_single(f, x[l], y[l], masks[l]);
+}
+
 #if HWY_TARGET == HWY_AVX3_DL
 
 HWY_ATTR void hold(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks) {
@@ -210,6 +217,18 @@ HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* bounda
 }
 
 template <Rule rule>
+HWY_ATTR int take_chain_ends_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                const PatchSite& site, PatchSums& sums, LaneMask* without) {
+  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
+    const ChainFrame& f = frames[cell];
+    const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
+    const LaneMask in = inside_single(*f.frame, x, y, mask);
+    without[l] |= mask & ~in;
+    take_single<rule>(*f.frame, &x, &y, &in, 1, sums);
+  });
+}
+
+template <Rule rule>
 HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
                             const ChainBoundary* boundaries, int count, const PatchSite& site,
                             PatchSums& sums) {
@@ -297,6 +316,21 @@ HWY_ATTR int take_chain(const ChainFrame* frames, const ChainBoundary* boundarie
   return take_chain_by<Rule::mean_doppler>(frames, boundaries, count, site, sums);
 }
 
+HWY_ATTR int take_chain_ends(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                             const PatchSite& site, Rule rule, PatchSums& sums, LaneMask* without) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_chain_ends_by<Rule::maximum>(frames, boundaries, count, site, sums, without);
+    case Rule::minimum:
+      return take_chain_ends_by<Rule::minimum>(frames, boundaries, count, site, sums, without);
+    case Rule::mean_grey:
+      return take_chain_ends_by<Rule::mean_grey>(frames, boundaries, count, site, sums, without);
+    case Rule::mean_doppler:
+      break;
+  }
+  return take_chain_ends_by<Rule::mean_doppler>(frames, boundaries, count, site, sums, without);
+}
+
 HWY_ATTR int blend_chain(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
                          int count, const PatchSite& site, Rule rule, PatchSums& sums) {
   switch (rule) {
@@ -322,35 +356,6 @@ HWY_ATTR void take_rulings(const RulingCell* cells, int count, const RulingLayer
       return take_rulings_by<Rule::mean_grey>(cells, count, layers, sample, lanes, sums);
     case Rule::mean_doppler:
       return take_rulings_by<Rule::mean_doppler>(cells, count, layers, sample, lanes, sums);
-  }
-}
-
-HWY_ATTR void inside(const PatchFrame& f, const std::uint8_t* mask, std::ptrdiff_t mask_stride,
-                     const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
-#if HWY_TARGET == HWY_AVX3_DL
-  if (f.fetch != Fetch::single) {
-    PatchFrame of_mask = f;
-    if (mask != nullptr) {
-      of_mask.pixels = mask;
-      of_mask.stride = mask_stride;
-    }
-    if (f.fetch == Fetch::rows) {
-      inside_permuted<RowsFetch>(of_mask, mask, x, y, layers, masks);
-    } else {
-      inside_permuted<WindowFetch>(of_mask, mask, x, y, layers, masks);
-    }
-    return;
-  }
-#endif
-  alignas(64) std::int32_t indices[patch_lanes];
-  for (int l = 0; l < layers; ++l) {
-    if (masks[l] == 0) continue;
-    masks[l] &= in_picture(f, x[l], y[l]);
-    if (mask == nullptr) continue;
-    pixel_indices(f, x[l], y[l], mask_stride, indices);
-    LaneMask kept = 0;
-    for (int k = 0; k < patch_lanes; ++k) kept |= LaneMask{mask[indices[k]] != 0} << k;
-    masks[l] &= kept;
   }
 }
 
@@ -386,10 +391,25 @@ HWY_ATTR void taps_inside(const PatchFrame& f, const std::uint8_t* mask, std::pt
 }
 
 HWY_ATTR const PatchKernels& kernels_of_target() {
-  static constexpr PatchKernels kernels{
-      HWY_TARGET,     lay_lanes,       thresholds,  take_chain, lay_share, blend_chain, take_chain_apart,
-      lane_positions, split_positions, hold,        half_space, inside,    take,        find_changes,
-      take_rulings,   blend,           taps_inside, turn};
+  static constexpr PatchKernels kernels{HWY_TARGET,
+                                        lay_lanes,
+                                        thresholds,
+                                        take_chain,
+                                        take_chain_ends,
+                                        lay_share,
+                                        blend_chain,
+                                        take_chain_apart,
+                                        lane_positions,
+                                        split_positions,
+                                        hold,
+                                        half_space,
+                                        inside,
+                                        take,
+                                        find_changes,
+                                        take_rulings,
+                                        blend,
+                                        taps_inside,
+                                        turn};
   return kernels;
 }
 

@@ -43,18 +43,19 @@ HWY_ATTR inline void pixel_indices(const PatchFrame& f, FixedPx x, FixedPx y, st
   }
 }
 
-// Lanes whose pixel lies in the picture.
+// Lanes whose pixel is the picture's.
 HWY_ATTR inline LaneMask in_picture(const PatchFrame& f, FixedPx x, FixedPx y) {
   const Ints d;
   const auto at_x = hn::Set(d, static_cast<std::int32_t>(x >> 16));
   const auto at_y = hn::Set(d, static_cast<std::int32_t>(y >> 16));
-  const auto beyond = hn::Set(d, -1), width = hn::Set(d, f.width), height = hn::Set(d, f.height);
+  const auto before_x = hn::Set(d, f.first_x - 1), behind_x = hn::Set(d, f.last_x + 1);
+  const auto before_y = hn::Set(d, f.first_y - 1), behind_y = hn::Set(d, f.last_y + 1);
   LaneMask inside = 0;
   for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
     const auto px = hn::ShiftRight<16>(hn::Add(at_x, hn::Load(d, f.offset_x.data() + k)));
     const auto py = hn::ShiftRight<16>(hn::Add(at_y, hn::Load(d, f.offset_y.data() + k)));
-    const auto in = hn::And(hn::And(hn::Gt(px, beyond), hn::Lt(px, width)),
-                            hn::And(hn::Gt(py, beyond), hn::Lt(py, height)));
+    const auto in = hn::And(hn::And(hn::Gt(px, before_x), hn::Lt(px, behind_x)),
+                            hn::And(hn::Gt(py, before_y), hn::Lt(py, behind_y)));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, in, bits);
     LaneMask part = 0;
@@ -62,6 +63,18 @@ HWY_ATTR inline LaneMask in_picture(const PatchFrame& f, FixedPx x, FixedPx y) {
     inside |= part << k;
   }
   return inside;
+}
+
+// Of `lanes` those whose pixel is the picture's and in its mask.
+HWY_ATTR inline LaneMask inside_single(const PatchFrame& f, FixedPx x, FixedPx y, LaneMask lanes) {
+  if (lanes == 0) return 0;
+  lanes &= in_picture(f, x, y);
+  if (f.mask == nullptr) return lanes;
+  alignas(64) std::int32_t indices[patch_lanes];
+  pixel_indices(f, x, y, f.mask_stride, indices);
+  LaneMask kept = 0;
+  for (int k = 0; k < patch_lanes; ++k) kept |= LaneMask{f.mask[indices[k]] != 0} << k;
+  return lanes & kept;
 }
 
 HWY_ATTR inline void fetch_single(const PatchFrame& f, FixedPx x, FixedPx y, std::uint8_t* values) {

@@ -18,6 +18,7 @@ struct FetchCosts {
   double turned_pixel;
   double edge;  // by how much a patch in which pictures end costs more, as a part of one of a chain
 };
+constexpr double chain_edge = 1;  // the same where the tile is a chain
 constexpr FetchCosts nearest_costs{12, 5, 22, 150, 13.5, 1, 2};
 constexpr FetchCosts linear_costs{70, 12, 90, 800, 12.5, 1, 5};
 
@@ -55,12 +56,12 @@ struct ShapeSpan {
   }
 };
 
-// Which edges of pictures, or of the mask, run through a tile that is no chain.
+// Which edges of pictures, or of the mask, run through a tile.
 struct Edges {
   bool sides = false, ends = false;  // of pixel rows; of pixel columns
 
   explicit Edges(const Tile& tile) {
-    if (tile.is_chain) return;
+    if (tile.is_chain && tile.chain.whole) return;
     for (const Candidate& c : tile.candidates) {
       if (c.full) continue;
       const FrameEntry& f = tile.table->frames[c.frame];
@@ -127,6 +128,7 @@ PatchChoice choose_patches(const Tile& tile, const Lattice& lattice, Interpolati
   };
   const int patches = tile_pixels * tile_pixels / patch_lanes;
   const double turning = costs.turned_pixel * may.turned_pixels / (patches * block.depth);
+  const double edge = tile.is_chain ? chain_edge : costs.edge;
   PatchChoice best;
   double least = 1e30;
   const auto consider = [&](const LaneShape& tried, bool turned) {
@@ -143,7 +145,7 @@ PatchChoice choose_patches(const Tile& tile, const Lattice& lattice, Interpolati
     }
     // Lane by lane the tables of sheared lanes might not hold.
     if (cost == costs.single && (tried.sheared() || turned)) return;
-    cost *= (1 + span.mm / spacing) * span.waste * (1 + costs.edge * at_edges(span));
+    cost *= (1 + span.mm / spacing) * span.waste * (1 + edge * at_edges(span));
     // A shear must be worth its ragged edges.
     if (tried.sheared()) cost *= 1.15;
     // As must be a second copy in the caches.

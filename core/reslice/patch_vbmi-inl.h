@@ -247,18 +247,35 @@ struct VelocityTable {
 };
 inline constexpr VelocityTable velocity_table;
 
-// Of lanes whose whole part is in 0 .. 127 from `first`, those within 0 <= pixel < size.
-HWY_ATTR HWY_INLINE __mmask64 within(__m512i whole_part, int first, int size) {
-  const int least = std::max(-first, 0), most = std::min(size - 1 - first, 127);
+// Of lanes whose whole part is in 0 .. 127 from `from`, those with first <= pixel <= last.
+HWY_ATTR HWY_INLINE __mmask64 within(__m512i whole_part, int from, int first, int last) {
+  const int least = std::max(first - from, 0), most = std::min(last - from, 127);
   if (least > most) return 0;
   const __m512i from_least = _mm512_sub_epi8(whole_part, _mm512_set1_epi8(static_cast<char>(least)));
   return _mm512_cmple_epu8_mask(from_least, _mm512_set1_epi8(static_cast<char>(most - least)));
 }
 
+// The frame's mask where its picture is.
+inline PatchFrame mask_as_picture(const PatchFrame& f) {
+  PatchFrame of_mask = f;
+  of_mask.pixels = f.mask;
+  of_mask.stride = f.mask_stride;
+  return of_mask;
+}
+
 template <class FetchLanes>
-HWY_ATTR void inside_permuted(const PatchFrame& f, const std::uint8_t* mask, const FixedPx* x,
-                              const FixedPx* y, int layers, LaneMask* masks) {
-  FetchLanes fetch(f, layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
+HWY_ATTR void in_mask_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers,
+                               LaneMask* masks) {
+  FetchLanes fetch(mask_as_picture(f), layers < 2 || x[1] >= x[0], layers < 2 || y[1] >= y[0]);
+  for (int l = 0; l < layers; ++l) {
+    if (masks[l] == 0) continue;
+    const __m512i v = fetch.at(x[l], y[l]);
+    masks[l] &= _mm512_test_epi8_mask(v, v);
+  }
+}
+
+HWY_ATTR inline void inside_permuted(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers,
+                                     LaneMask* masks) {
   const Carries carries_x(f.part_x.data()), carries_y(f.part_y.data());
   const __m512i column = _mm512_load_si512(f.column.data()), row = _mm512_load_si512(f.row.data());
   const __m512i one = _mm512_set1_epi8(1);
@@ -267,13 +284,15 @@ HWY_ATTR void inside_permuted(const PatchFrame& f, const std::uint8_t* mask, con
     const __m512i at_x = _mm512_mask_add_epi8(column, carries_x.at(x[l]), column, one);
     const __m512i at_y = _mm512_mask_add_epi8(row, carries_y.at(y[l]), row, one);
     LaneMask kept = masks[l];
-    kept &= within(at_x, whole(x[l]) + f.least_column, f.width);
-    kept &= within(at_y, whole(y[l]) + f.least_row, f.height);
-    if (mask != nullptr && kept != 0) {
-      const __m512i v = fetch.at(x[l], y[l]);
-      kept &= _mm512_test_epi8_mask(v, v);
-    }
+    kept &= within(at_x, whole(x[l]) + f.least_column, f.first_x, f.last_x);
+    kept &= within(at_y, whole(y[l]) + f.least_row, f.first_y, f.last_y);
     masks[l] = kept;
+  }
+  if (f.mask == nullptr) return;
+  if (f.fetch == Fetch::rows) {
+    in_mask_permuted<RowsFetch>(f, x, y, layers, masks);
+  } else {
+    in_mask_permuted<WindowFetch>(f, x, y, layers, masks);
   }
 }
 

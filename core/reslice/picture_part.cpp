@@ -111,6 +111,14 @@ FrameEntry TurnedParts::picture(std::size_t i) const {
   return turned;
 }
 
+void TurnedParts::bound(std::size_t i, PatchFrame& patch) const {
+  const Part& p = parts_[i];
+  patch.first_x = -p.part.top;
+  patch.last_x = p.frame->height - 1 - p.part.top;
+  patch.first_y = -p.part.left;
+  patch.last_y = p.frame->width - 1 - p.part.left;
+}
+
 void TurnedParts::turn() {
   for (const Part& p : parts_) {
     patch_kernels().turn({p.frame->pixels, p.frame->stride, p.frame->width, p.frame->height}, p.part.left,

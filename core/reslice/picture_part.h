@@ -39,6 +39,8 @@ class TurnedParts {
   void add(const FrameEntry& frame, const PicturePart& part, ChainFrame& at);
   // The i-th added as a picture, once there is room; its pixels are there once they are turned.
   FrameEntry picture(std::size_t i) const;
+  // Tells a patch of the i-th which pixels of the part are the picture's.
+  void bound(std::size_t i, PatchFrame& patch) const;
   // Makes room for those added.
   void lay_out() { pixels_.resize(size_); }
   // Turns them.

@@ -5,9 +5,15 @@
 
 #include "core/reslice/chain_cells.h"
 #include "core/reslice/patch_shape.h"
+#include "core/reslice/ties.h"
 
 namespace sonoband {
 namespace {
+
+// Ends of ranges that floats put beyond a frame's reach count.
+double own_reach(const FrameEntry& frame) {
+  return frame.gap_mm + tie_mm + 1e-3;
+}
 
 FixedPx fixed(double px) {
   return std::llround(px * fixed_per_px);
@@ -63,8 +69,13 @@ void Tile::make_patches(const Lattice& lattice, int taps) {
       make_patch_frame(turned_parts.picture(c),
                        {steps.y_per_sample, steps.y_per_row, steps.x_per_sample, steps.x_per_row}, grid, taps,
                        frames[c].patch);
+      turned_parts.bound(c, frames[c].patch);
     } else {
       make_patch_frame(f, steps, grid, taps, frames[c].patch);
+      if (candidates[c].borders_mask) {
+        frames[c].patch.mask = table->mask.data;
+        frames[c].patch.mask_stride = table->mask.stride;
+      }
     }
   }
 }
@@ -76,7 +87,7 @@ bool Tile::may_turn(Interpolation interpolation) const {
   if (linear && table->kind != PixelKind::grey) return false;
   return std::all_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
     const FrameEntry& f = table->frames[c.frame];
-    return f.width >= least_turned_px && (!linear || all_taps_kept(*table, f, box));
+    return f.width >= least_turned_px && !c.borders_mask && (!linear || all_taps_kept(*table, f, box));
   });
 }
 
@@ -98,7 +109,7 @@ void Tile::keep_chain_only() {
 }
 
 bool Tile::find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-                Interpolation interpolation, int a, int b) {
+                Interpolation interpolation, bool may_end, int a, int b) {
   table = &frame_table;
   block = {a,
            b,
@@ -108,7 +119,8 @@ bool Tile::find(const FrameTable& frame_table, const Lattice& lattice, const std
            lattice.layers};
   box = box_of(block);
   cull(frame_table, near, box, interpolation, candidates);
-  is_chain = make_chain(frame_table, candidates, box, chain);
+  is_chain = may_end ? make_ending_chain(frame_table, candidates, box, chain)
+                     : make_chain(frame_table, candidates, box, chain);
   return !candidates.empty();
 }
 
@@ -126,7 +138,8 @@ void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_re
   parts.clear();
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const FrameEntry& f = table->frames[candidates[c].frame];
-    const double reach = may.turn ? reaches[c] : f.gap_mm;
+    // Frames whose neighbours' pictures end take samples in all their reach.
+    const double reach = !may.turn ? f.gap_mm : chain.whole ? reaches[c] : std::max(reaches[c], own_reach(f));
     parts.push_back(part_within(reach, f, candidates[c], lattice, block, frames[c].at));
     prefetch(f, parts.back());
     may.turned_pixels += static_cast<double>(parts.back().columns()) * parts.back().rows();

@@ -42,10 +42,11 @@ struct Tile {
   bool turned = false;             // frames are the turned parts, not the pictures themselves
   TurnedParts turned_parts;
 
-  // Finds the candidates of the tile at sample a, row b, and whether they are a chain. False where no frame
-  // reaches it. `near` are those of the table that may matter, ascending.
+  // Finds the candidates of the tile at sample a, row b, and whether they are a chain; `may_end`: one whose
+  // pictures end counts. False where no frame reaches it. `near` are those of the table that may matter,
+  // ascending.
   bool find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-            Interpolation interpolation, int a, int b);
+            Interpolation interpolation, bool may_end, int a, int b);
   // Thins a chain to `thin_mm` by the rule of chain.h.
   void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
   // Makes what patches share of the candidates, and asks for their pixels. Where `turned`, turned_parts are

@@ -111,8 +111,8 @@ void Winners::support(const FrameTable& table, const Candidate& candidate, const
   std::copy_n(place.lanes.data() + share.first, layers, support);
   keep_within(far_reach, support);
   if (!candidate.full) {
-    patch_kernels().inside(frame, candidate.borders_mask ? table.mask.data : nullptr, table.mask.stride,
-                           share.x.data() + share.first, share.y.data() + share.first, layers, support);
+    patch_kernels().inside(frame, share.x.data() + share.first, share.y.data() + share.first, layers,
+                           support);
   }
   if (linear_) {
     std::copy_n(support, layers, of_layers(share.far_support));

@@ -1,7 +1,5 @@
 // Every instruction set this machine has paints the same picture.
-#define HWY_WANT_AVX3_DL 1  // as core/reslice/patch_kernels.cpp is compiled
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <random>
@@ -9,26 +7,12 @@
 #include "core/reslice/patch.h"
 #include "core/reslice/rolling_band.h"
 #include "tests/core/reslice/compare.h"
+#include "tests/core/reslice/only_target.h"
 #include "tests/core/reslice/random_geometry.h"
 #include "tests/support/support.h"
 
 namespace sonoband {
 namespace {
-
-// Lets only one set be chosen while it lives.
-class OnlyTarget {
- public:
-  explicit OnlyTarget(std::int64_t target) { choose(target); }
-  ~OnlyTarget() { choose(0); }
-  OnlyTarget(const OnlyTarget&) = delete;
-  OnlyTarget& operator=(const OnlyTarget&) = delete;
-
- private:
-  static void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
 
 // A band and the same one dragged on by two layers.
 std::array<BandImage, 2> pictures(const test::RandomScene& scene) {
@@ -49,7 +33,7 @@ struct Shares {
     for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
       scene.settings.interpolation = interpolation;
       const std::array<BandImage, 2> best = pictures(scene);
-      const OnlyTarget only(target);
+      const test::OnlyTarget only(target);
       ASSERT_EQ(patch_kernels().target, target);
       const std::array<BandImage, 2> images = pictures(scene);
       test::Difference& sum = interpolation == Interpolation::nearest ? nearest : linear;

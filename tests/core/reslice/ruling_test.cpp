@@ -1,13 +1,12 @@
 // Curved bundles of lines through a sweep like a hand's: the kernel against the definition, and every
 // instruction set against the others.
-#define HWY_WANT_AVX3_DL 1  // as core/reslice/patch_kernels.cpp is compiled
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 
 #include "core/reslice/patch.h"
 #include "tests/core/reslice/compare.h"
+#include "tests/core/reslice/only_target.h"
 #include "tests/core/reslice/reference.h"
 #include "tests/support/speed_sweep.h"
 
@@ -74,18 +73,13 @@ TEST(CurvedBundle, NearestEqualsTheDefinitionButForTies) {
 TEST(CurvedBundle, EveryInstructionSetPaintsTheSame) {
   const test::TestSweep sweep = hand_sweep();
   Serial serial;
-  const auto choose = [](std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  };
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     for (const LineBundle& bundle : arcs()) {
       RenderSettings settings;
       const BandImage best = render_lines(sweep.view(), bundle, settings, serial);
-      choose(target);
+      const test::OnlyTarget only(target);
       EXPECT_EQ(patch_kernels().target, target);
       const BandImage image = render_lines(sweep.view(), bundle, settings, serial);
-      choose(0);
       EXPECT_GE(test::compare(best, image).equal_share(), 0.999) << hwy::TargetName(target);
     }
   }

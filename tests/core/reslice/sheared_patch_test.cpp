@@ -94,24 +94,6 @@ std::vector<ReslicePlane> slanted_planes() {
   return planes;
 }
 
-// Pixels that no tie explains, a foot being off by at most 1e-4 pixel and a distance by 1e-4 mm.
-int beyond_ties(const SweepView& view, const ReslicePlane& plane, const RenderSettings& settings,
-                const BandImage& image) {
-  const test::TieRange ties =
-      test::reference_ties(view, plane_lines(plane, settings.band), settings, 1e-4, 1e-4);
-  int beyond = 0;
-  for (int y = 0; y < plane.height; ++y) {
-    for (int x = 0; x < plane.width; ++x) {
-      const int value = image.pixels.view()(x, y), covered = image.coverage.view()(x, y);
-      const bool tied = value >= ties.lowest.view()(x, y) && value <= ties.highest.view()(x, y) &&
-                        covered >= ties.least_coverage.view()(x, y) &&
-                        covered <= ties.most_coverage.view()(x, y);
-      beyond += tied ? 0 : 1;
-    }
-  }
-  return beyond;
-}
-
 class ShearedPatchesOf : public testing::TestWithParam<double> {};
 
 TEST_P(ShearedPatchesOf, FramesGiveTheReferencesPictures) {
@@ -131,7 +113,7 @@ TEST_P(ShearedPatchesOf, FramesGiveTheReferencesPictures) {
         const test::Difference d = test::compare(image, truth);
         if (interpolation == Interpolation::nearest) {
           EXPECT_GE(d.equal_share(), 0.995);
-          EXPECT_EQ(beyond_ties(sweep.view(), plane, settings, image), 0);
+          EXPECT_EQ(test::beyond_ties(sweep.view(), plane, settings, image), 0);
         } else {
           EXPECT_GE(d.close_share(), 0.999);
         }
@@ -140,7 +122,7 @@ TEST_P(ShearedPatchesOf, FramesGiveTheReferencesPictures) {
       const FrameTable seen = seen_from(lattice, make_frame_table(sweep.view(), settings.gap));
       Tile tile;
       const Lattice own = in_own_coordinates(lattice);
-      ASSERT_TRUE(tile.find(seen, own, all_frames(seen), interpolation, 0, 0));
+      ASSERT_TRUE(tile.find(seen, own, all_frames(seen), interpolation, false, 0, 0));
       ASSERT_TRUE(tile.is_chain);
       tile.open(own, interpolation, true);
       sheared += tile.shape.sheared() ? 1 : 0;
@@ -179,7 +161,7 @@ TEST(TurnedFrames, EndAtThePicturesEdges) {
       const Lattice lattice = *lattice_of(plane_lines(plane, settings.band));
       const FrameTable seen = seen_from(lattice, make_frame_table(sweep.view(), settings.gap));
       Tile tile;
-      ASSERT_TRUE(tile.find(seen, in_own_coordinates(lattice), all_frames(seen), interpolation, 0, 0));
+      ASSERT_TRUE(tile.find(seen, in_own_coordinates(lattice), all_frames(seen), interpolation, false, 0, 0));
       tile.open(in_own_coordinates(lattice), interpolation, true);
       EXPECT_TRUE(tile.turned) << "the plane is of no use here";
     }

@@ -24,7 +24,7 @@ LaneShape shape_at(int a, Interpolation interpolation) {
   const FrameTable seen = seen_from(lattice, make_frame_table(sweep.view(), {}));
   const Lattice own = in_own_coordinates(lattice);
   Tile tile;
-  EXPECT_TRUE(tile.find(seen, own, all_frames(seen), interpolation, a, 0));
+  EXPECT_TRUE(tile.find(seen, own, all_frames(seen), interpolation, false, a, 0));
   EXPECT_EQ(tile.is_chain, a >= 64);
   tile.open(own, interpolation, true);
   return tile.shape;
