@@ -24,6 +24,10 @@ int BandPainter::paint_cells(const ChainCells& cells, const PatchSite& site) {
     return patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
                                       totals_.piece());
   }
+  if (cells.unblended) {
+    return patch_kernels().take_chain_linear(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
+                                             totals_.piece());
+  }
   if (cells.grey_taps) {
     return patch_kernels().blend_chain(cells.frames.data(), cells.shares.data(), cells.boundaries.data(),
                                        count, site, rule_, totals_.piece());
@@ -111,9 +115,9 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
 }
 
 void BandPainter::thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) {
-  if (thinning_.pixel_mm == 0 || !chain.whole) return;
+  if (thinning_.pixel.mm == 0 || !chain.whole) return;
   const std::size_t members = chain.members.size();
-  thin_chain(table(), candidates, box, thinning_.pixel_mm, interpolation(), chain);
+  thin_chain(table(), candidates, box, thinning_.pixel, interpolation(), chain);
   // Tiles of the table for the rest are counted as they are opened.
   if (thinning_.rest == nullptr) left_out_.add(members, chain.members.size());
 }
@@ -305,8 +309,8 @@ std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox&
 bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b) {
   if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b)) return false;
   const bool whole = tile.is_chain && tile.chain.whole;
-  if (whole && thinning_.pixel_mm > 0) {
-    tile.thin(interpolation(), thinning_.pixel_mm, left_out_);
+  if (whole && thinning_.pixel.mm > 0) {
+    tile.thin(interpolation(), thinning_.pixel, left_out_);
   } else if (!whole && thinning_.rest != nullptr) {
     const std::size_t all = tile.candidates.size();
     if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b)) return false;

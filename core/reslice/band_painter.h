@@ -15,7 +15,7 @@ namespace sonoband {
 
 // How frames denser than the output are left out.
 struct Thinning {
-  double pixel_mm = 0;               // to which chains are thinned by the rule of chain.h; 0: they are not
+  OutputPixel pixel;                 // to which chains are thinned by the rule of chain.h; 0 mm: they are not
   const FrameTable* rest = nullptr;  // frames for tiles that are no chain; null: all of them
 };
 

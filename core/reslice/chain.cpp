@@ -26,6 +26,7 @@ bool whole(std::span<const Candidate> candidates) {
 // All that make_chain asks for but that the pictures hold every foot.
 bool follow_one_another(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
                         Chain& chain) {
+  chain.unblended = false;
   chain.members.resize(candidates.size());
   std::iota(chain.members.begin(), chain.members.end(), 0);
   std::sort(chain.members.begin(), chain.members.end(),
@@ -73,32 +74,46 @@ bool make_ending_chain(const FrameTable& table, std::span<const Candidate> candi
   return !candidates.empty() && follow_one_another(table, candidates, box, chain);
 }
 
+double OutputPixel::along(const Eigen::Vector3d& normal) const {
+  const double most = (axes * normal).cwiseAbs().maxCoeff();
+  return thinning_pixel * (most > 0 ? mm / most : mm);
+}
+
 void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
-                double pixel_mm, Interpolation interpolation, Chain& chain) {
+                const OutputPixel& pixel, Interpolation interpolation, Chain& chain) {
   const std::vector<int>& all = chain.members;
-  // By which the gap of two members changes in a mm.
-  const auto turn = [&](std::size_t i, std::size_t j) {
-    const FrameEntry &a = table.frames[candidates[all[i]].frame], &b = table.frames[candidates[all[j]].frame];
-    return (a.normal - (a.flipped == b.flipped ? 1 : -1) * b.normal).norm();
+  const auto entry = [&](std::size_t i) -> const FrameEntry& {
+    return table.frames[candidates[all[i]].frame];
   };
-  // From member i to member j, behind it.
-  const auto widest = [&](std::size_t i, std::size_t j) {
-    const AffineScalar from = oriented_z(table.frames[candidates[all[i]].frame]);
-    const AffineScalar to = oriented_z(table.frames[candidates[all[j]].frame]);
+  std::vector<double> pixels;  // across the members
+  for (std::size_t i = 0; i < all.size(); ++i) pixels.push_back(pixel.along(entry(i).normal));
+  // From member i to member j, behind it, they are at most a pixel apart.
+  const auto near = [&](std::size_t i, std::size_t j) {
+    const FrameEntry &a = entry(i), &b = entry(j);
+    const double most_mm = std::min(pixels[i], pixels[j]);
+    const AffineScalar from = oriented_z(a), to = oriented_z(b);
+    // By which their gap changes in a mm.
+    const double turn = (a.normal - (a.flipped == b.flipped ? 1 : -1) * b.normal).norm();
     return span_of({from.gradient - to.gradient, from.offset - to.offset}, box).highest +
-           turn(i, j) * pixel_mm / 2;
+               turn * most_mm / 2 <=
+           most_mm;
   };
-  const double most_mm = thinning_pixel * pixel_mm;
   const auto neighbours = [&](std::size_t i, std::size_t j) {
-    if (interpolation == Interpolation::linear || !table.complete) return widest(i, j) <= most_mm;
-    return widest(i, j - 1) <= most_mm && widest(i + 1, j) <= most_mm;
+    if (interpolation == Interpolation::linear || !table.complete) return near(i, j);
+    return near(i, j - 1) && near(i + 1, j);
   };
   std::vector<int> kept = {all.front()};
+  std::vector<std::size_t> place = {0};  // of those kept in `all`
   for (std::size_t i = 0; i + 1 < all.size();) {
     std::size_t j = i + 1;
     while (j + 1 < all.size() && neighbours(i, j + 1)) ++j;
     kept.push_back(all[j]);
+    place.push_back(j);
     i = j;
+  }
+  chain.unblended = interpolation == Interpolation::linear;
+  for (std::size_t k = 1; k < kept.size() && chain.unblended; ++k) {
+    chain.unblended = near(place[k - 1], place[k]);
   }
   chain.members = std::move(kept);
 }

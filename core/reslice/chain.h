@@ -14,6 +14,8 @@ struct Chain {
   bool first_ends = false;   // samples may lie beyond the first frame: its reach must be checked
   bool last_ends = false;
   bool whole = true;  // every member's picture and mask hold every foot
+  // Linear: samples take their nearest member's bilinear value and no blend (thin_chain).
+  bool unblended = false;
 };
 
 // True where the bisectors alone give the definition's nearest frame at every sample of the box:
@@ -32,19 +34,32 @@ bool make_chain(const FrameTable& table, std::span<const Candidate> candidates, 
 bool make_ending_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
                        Chain& chain);
 
-// Leaves out members that lie denser than the output's pixels of `pixel_mm`, by a rule that keeps the
-// definition's values within half an output pixel in position, at every sample of the box; a pixel counts as
-// thinning_pixel (thinning.h) says. Members between two that stay go where,
+// A pixel of the picture as thinning counts positions: half a pixel along each of the picture's axes.
+struct OutputPixel {
+  double mm = 0;  // its width
+  // Unit vectors in World: right, down and the normal. Zero: half a pixel whichever way.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+
+  // Two points on a line along `normal` (of unit length, in World) that are so far apart, in mm, are a pixel
+  // apart: it is longer where the line runs between the axes. Of thinning_pixel (thinning.h).
+  double along(const Eigen::Vector3d& normal) const;
+};
+
+// Leaves out members that lie denser than the output's pixels, by a rule that keeps the definition's values
+// within half an output pixel in position (right, down and across the layers), at every sample of the box.
+// Members between two that stay go where,
 //  - nearest, of a table with all frames of the sweep: from either of the two to the one before the other is
-//  at most a pixel. So a sample takes
-//    the pixel that the definition, with all frames, takes at a point at most half a pixel away: beyond half
-//    the gap to the next frame, which is the definition's own, no more than half a pixel is left to go;
-//  - else: the two are at most a pixel apart. So a sample is at most half a pixel from the nearest of them,
-//    and linear a sample blends values that the definition takes at two
-//    points, on the planes of the two, whose distance from the sample is at most half a pixel in their mean
-//    by weight: 2 w (1 - w) gap.
-// The first and the last member stay. Gaps count as the widest in the box and half a pixel about it.
+//    at most a pixel. So a sample takes the pixel that the definition, with all frames, takes at a point at
+//    most half a pixel away: beyond half the gap to the next frame, which is the definition's own, no more
+//    than half a pixel is left to go;
+//  - else: the two are at most a pixel apart. So a sample is at most half a pixel from the nearest of them.
+// Linear: where all that stay are at most a pixel apart, a sample takes the bilinear value of the nearest
+// alone, which is the definition's on that frame's plane, at a point at most half a pixel away (`unblended`).
+// Else the chain is blended: exactly where no frame went between, and from two points at most half a pixel
+// away in their mean by weight, 2 w (1 - w) gap, where some did; and so are Doppler and taps that a mask
+// takes away. The first and the last member stay. Gaps count as the widest in the box and half a pixel about
+// it.
 void thin_chain(const FrameTable& table, std::span<const Candidate> candidates, const SampleBox& box,
-                double pixel_mm, Interpolation interpolation, Chain& chain);
+                const OutputPixel& pixel, Interpolation interpolation, Chain& chain);
 
 }  // namespace sonoband

@@ -134,6 +134,10 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
   };
   const auto z = [&](std::size_t m) { return oriented_z(entry(m)); };
   const auto reach = [&](std::size_t m) { return entry(m).gap_mm + tie_mm + float_tie_mm; };
+  for (std::size_t m = 0; m < members; ++m)
+    cells.grey_taps = cells.grey_taps && all_taps_kept(table, entry(m), box);
+  cells.unblended = cells.grey_taps && chain.unblended;
+  const bool blended = linear && !cells.unblended;
   ChainBoundary always, never;
   always.always = true;
   never.never = true;
@@ -141,10 +145,9 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
   cells.boundaries.push_back(chain.first_ends ? layout.boundary(plus(z(0), reach(0))) : always);
   for (std::size_t m = 0; m < members; ++m) {
     const AffineScalar mm = z(m);
-    if (linear) {
+    if (blended) {
       cells.boundaries.push_back(layout.boundary(mm));
       cells.distances.push_back(layout.distance(mm));
-      cells.grey_taps = cells.grey_taps && all_taps_kept(table, entry(m), box);
       if (m > 0) layout.share(z(m - 1), less(z(m - 1), mm), box, cells.shares.emplace_back());
       continue;
     }

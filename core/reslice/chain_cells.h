@@ -8,16 +8,17 @@
 
 namespace sonoband {
 
-// Nearest: a cell is a member's, begun by the bisector with the one before. Linear: a cell lies between two
-// members, begun by the plane of the one before.
+// Nearest and unblended: a cell is a member's, begun by the bisector with the one before. Else linear: a cell
+// lies between two members, begun by the plane of the one before.
 struct ChainCells {
   std::vector<int> members;               // places in the tile's frames
   std::vector<ChainFrame> frames;         // theirs
-  std::vector<TileDistance> distances;    // theirs; of linear and of chains whose pictures end
+  std::vector<TileDistance> distances;    // theirs; of blends and of chains whose pictures end
   std::vector<float> reaches;             // theirs, in mm; of chains whose pictures end
-  std::vector<ChainShare> shares;         // between neighbours; linear only
+  std::vector<ChainShare> shares;         // between neighbours; of blends only
   std::vector<ChainBoundary> boundaries;  // one more than cells
   bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask
+  bool unblended = false;                 // grey_taps only: a cell has its member's bilinear values
 };
 
 // The mask keeps every tap of every foot in the box.

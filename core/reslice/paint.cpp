@@ -76,6 +76,16 @@ BandImage paint_sweep(const SweepView& sweep, const RenderSettings& settings, do
   return paint_thinned(table, kept, pixel_mm, surface, settings, parallel, nullptr);
 }
 
+OutputPixel output_pixel(const Lattice& lattice, double mm) {
+  OutputPixel pixel{mm};
+  const Eigen::Vector3d normal = lattice.per_sample.cross(lattice.per_row);
+  if (normal.norm() == 0) return pixel;  // a single line
+  pixel.axes.row(0) = lattice.per_sample.normalized();
+  pixel.axes.row(1) = normal.cross(lattice.per_sample).normalized();
+  pixel.axes.row(2) = normal.normalized();
+  return pixel;
+}
+
 // In the mean over the tiles.
 int frames_left_out(const FrameTable& table, const LeftOut& count) {
   if (count.reached == 0) return 0;
@@ -151,7 +161,8 @@ BandImage paint_thinned(const FrameTable& table, const FrameTable& kept, double 
                         const std::atomic<bool>* stop) {
   // A few frames less are not worth opening a tile twice.
   const bool fewer = kept.frames.size() <= table.frames.size() - table.frames.size() / 8;
-  return paint_tiles(table, lattice, settings, {pixel_mm, fewer ? &kept : nullptr}, parallel, stop);
+  return paint_tiles(table, lattice, settings, {output_pixel(lattice, pixel_mm), fewer ? &kept : nullptr},
+                     parallel, stop);
 }
 
 LayerStrips::LayerStrips(const FrameTable& table, const Lattice& lattice, const RenderSettings& settings)

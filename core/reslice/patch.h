@@ -271,7 +271,11 @@ struct PatchKernels {
   int (*blend_chain)(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
                      int count, const PatchSite& site, Rule rule, PatchSums& sums);
 
-  // The same of layers apart: writes values of the lanes that a frame gives, and adds these to has_data.
+  // As take_chain, of bilinear values; taps as for blend_chain.
+  int (*take_chain_linear)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                           const PatchSite& site, Rule rule, PatchSums& sums);
+
+  // As take_chain of layers apart: writes values of the lanes that a frame gives, and adds these to has_data.
   int (*take_chain_apart)(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                           const PatchSite& site, PatchLayers& layers);
 

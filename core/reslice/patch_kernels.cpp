@@ -239,6 +239,14 @@ HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
   });
 }
 
+template <Rule rule>
+HWY_ATTR int take_chain_linear_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                  const PatchSite& site, PatchSums& sums) {
+  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
+    blend_layer<rule>(frames[cell], frames[cell], nullptr, site, l, mask, sums);
+  });
+}
+
 HWY_ATTR int take_chain_apart(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                               const PatchSite& site, PatchLayers& layers) {
   return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
@@ -345,6 +353,20 @@ HWY_ATTR int blend_chain(const ChainFrame* frames, const ChainShare* shares, con
   return blend_chain_by<Rule::mean_grey>(frames, shares, boundaries, count, site, sums);
 }
 
+HWY_ATTR int take_chain_linear(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                               const PatchSite& site, Rule rule, PatchSums& sums) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_chain_linear_by<Rule::maximum>(frames, boundaries, count, site, sums);
+    case Rule::minimum:
+      return take_chain_linear_by<Rule::minimum>(frames, boundaries, count, site, sums);
+    case Rule::mean_grey:
+    case Rule::mean_doppler:
+      break;
+  }
+  return take_chain_linear_by<Rule::mean_grey>(frames, boundaries, count, site, sums);
+}
+
 HWY_ATTR void take_rulings(const RulingCell* cells, int count, const RulingLayer* layers, int sample,
                            LaneMask lanes, Rule rule, PatchSums& sums) {
   switch (rule) {
@@ -398,6 +420,7 @@ HWY_ATTR const PatchKernels& kernels_of_target() {
                                         take_chain_ends,
                                         lay_share,
                                         blend_chain,
+                                        take_chain_linear,
                                         take_chain_apart,
                                         lane_positions,
                                         split_positions,

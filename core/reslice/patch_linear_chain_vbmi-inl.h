@@ -113,6 +113,43 @@ HWY_ATTR void take_alone(const Wide* values, const CellSite& cell, Gathered<rule
   sums = gathered;
 }
 
+// A frame's own values.
+template <class FetchTaps, Rule rule>
+HWY_ATTR void take_linear_cell(const ChainFrame& f, const CellSite& cell, Gathered<rule>& sums) {
+  Gathered<rule> gathered = sums;
+  Bilinear<FetchTaps> values(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
+  const int first = cell.range.low;
+  FixedPx x = f.x_at(cell.site, first) + foot_from_position;
+  FixedPx y = f.y_at(cell.site, first) + foot_from_position;
+  for (int l = first; l < cell.range.high; ++l, x += f.x_per_layer, y += f.y_per_layer) {
+    const LaneMask m = cell.lanes(l);
+    if (m == 0) continue;
+    const Wide v = levels_of(values.at(x, y));
+    gathered.add_words(m, v.low, v.high);
+  }
+  sums = gathered;
+}
+
+template <Rule rule>
+HWY_ATTR int take_chain_linear_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
+                                  const PatchSite& site, PatchSums& sums) {
+  Gathered<rule> gathered(sums);
+  const int start = walk_conditions(
+      boundaries, count, site,
+      [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
+        const ChainFrame& f = frames[cell];
+        const CellSite where{site, from, to, range};
+        if (f.frame->fetch == Fetch::window) return take_linear_cell<WindowTaps>(f, where, gathered);
+        if (f.frame->fetch == Fetch::rows) return take_linear_cell<RowsTaps>(f, where, gathered);
+        gathered.store();
+        for (int l = range.low; l < range.high; ++l)
+          blend_layer<rule>(f, f, nullptr, site, l, where.lanes(l), sums);
+        gathered = Gathered<rule>(sums);
+      });
+  gathered.store();
+  return start;
+}
+
 template <Rule rule>
 HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
                             const ChainBoundary* boundaries, int count, const PatchSite& site,

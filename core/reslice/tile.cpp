@@ -124,8 +124,8 @@ bool Tile::find(const FrameTable& frame_table, const Lattice& lattice, const std
   return !candidates.empty();
 }
 
-void Tile::thin(Interpolation interpolation, double thin_mm, LeftOut& count) {
-  thin_chain(*table, candidates, box, thin_mm, interpolation, chain);
+void Tile::thin(Interpolation interpolation, const OutputPixel& pixel, LeftOut& count) {
+  thin_chain(*table, candidates, box, pixel, interpolation, chain);
   count.add(candidates.size(), chain.members.size());
   keep_chain_only();
 }

@@ -47,8 +47,8 @@ struct Tile {
   // ascending.
   bool find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
             Interpolation interpolation, bool may_end, int a, int b);
-  // Thins a chain to `thin_mm` by the rule of chain.h.
-  void thin(Interpolation interpolation, double thin_mm, LeftOut& count);
+  // Thins a chain by the rule of chain.h.
+  void thin(Interpolation interpolation, const OutputPixel& pixel, LeftOut& count);
   // Makes what patches share of the candidates, and asks for their pixels. Where `turned`, turned_parts are
   // to be turned before a patch is painted: by then the pixels are there. `may_reshape`: patches may be
   // sheared and frames turned.

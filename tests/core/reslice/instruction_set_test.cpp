@@ -14,15 +14,18 @@
 namespace sonoband {
 namespace {
 
-// A band and the same one dragged on by two layers.
-std::array<BandImage, 2> pictures(const test::RandomScene& scene) {
+// A band, the same one dragged on by two layers, and thinned.
+std::array<BandImage, 3> pictures(const test::RandomScene& scene) {
   Serial serial;
   PreparedSweep sweep(scene.sweep.view(), scene.settings.gap);
   RollingBand rolling;
   ReslicePlane plane = scene.plane;
   BandImage still = rolling.render(sweep, plane, scene.settings, serial);
   plane.origin = plane.origin + (2 * scene.settings.band.step_mm) * plane.normal();
-  return {std::move(still), rolling.render(sweep, plane, scene.settings, serial)};
+  RenderSettings thinned = scene.settings;
+  thinned.thin_dense_frames = true;
+  return {std::move(still), rolling.render(sweep, plane, scene.settings, serial),
+          render_planar(sweep, plane, thinned, serial)};
 }
 
 // Shares of equal pixels over scenes, of the best set and of one other.
@@ -32,12 +35,12 @@ struct Shares {
   void add(test::RandomScene& scene, std::int64_t target) {
     for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
       scene.settings.interpolation = interpolation;
-      const std::array<BandImage, 2> best = pictures(scene);
+      const std::array<BandImage, 3> best = pictures(scene);
       const test::OnlyTarget only(target);
       ASSERT_EQ(patch_kernels().target, target);
-      const std::array<BandImage, 2> images = pictures(scene);
+      const std::array<BandImage, 3> images = pictures(scene);
       test::Difference& sum = interpolation == Interpolation::nearest ? nearest : linear;
-      for (int i = 0; i < 2; ++i) {
+      for (int i = 0; i < 3; ++i) {
         const test::Difference d = test::compare(best[i], images[i]);
         sum.pixels += d.pixels;
         sum.unequal += d.unequal;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "core/image/doppler.h"
 #include "core/reslice/band.h"
+#include "core/reslice/chain.h"
 #include "core/reslice/thinning.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/support/support.h"
@@ -90,36 +92,40 @@ double bilinear(const TrackedFrame& f, const Eigen::Vector3d& at) {
   return (1 - v) * ((1 - u) * p(x, y) + u * p(x + 1, y)) + v * ((1 - u) * p(x, y + 1) + u * p(x + 1, y + 1));
 }
 
-// The definition gives `value` at a point at most half an output pixel from p.
-bool found_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::uint8_t value) {
+// How far from a sample along a frame's normal its own pixel reaches: half a pixel along each of the plane's
+// axes.
+double reach_mm(const ReslicePlane& plane, const Eigen::Vector3d& normal) {
+  double reach = 1e9;
+  for (const Eigen::Vector3d& axis : {plane.right.v, plane.down.v, plane.normal().v})
+    reach = std::min(reach, half_pixel_mm / std::max(std::abs(axis.dot(normal)), 1e-9));
+  return reach;
+}
+
+// The definition gives `value` at a point of the pixel of which p is the middle.
+bool found_near(const test::TestSweep& sweep, const ReslicePlane& plane, const Eigen::Vector3d& p,
+                std::uint8_t value) {
   for (const TrackedFrame* f : sweep.view().frames) {
     const Eigen::Vector3d at = foot(*f, p);
     if (std::abs(at.z()) > 3 * pixel_mm || nearest_pixel(*f, at) != value) continue;
     // Towards the frame, where it is nearest if anywhere.
-    const double toward = std::clamp(-at.z(), -half_pixel_mm - 1e-6, half_pixel_mm + 1e-6);
     const Eigen::Vector3d normal = f->world_from_image.linear.col(2).normalized();
-    if (is_nearest(sweep, *f, p + toward * normal)) return true;
+    const double reach = reach_mm(plane, normal) + 1e-6;
+    if (is_nearest(sweep, *f, p + std::clamp(-at.z(), -reach, reach) * normal)) return true;
   }
   return false;
 }
 
-// `value` is a blend of two frames at most a pixel apart, on either side of p, or the end frame's beyond it.
-bool blended_near(const test::TestSweep& sweep, const Eigen::Vector3d& p, std::uint8_t value) {
-  const auto beyond = [&](const TrackedFrame* end, double side) {
-    const Eigen::Vector3d at = foot(*end, p);
-    return at.z() * side > 0 && std::abs(bilinear(*end, at) - value) <= 1.5;
-  };
-  if (beyond(sweep.view().frames.front(), -1) || beyond(sweep.view().frames.back(), 1)) return true;
-  for (const TrackedFrame* a : sweep.view().frames) {
-    const Eigen::Vector3d of_a = foot(*a, p);
-    if (of_a.z() < 0 || of_a.z() > 2 * half_pixel_mm) continue;
-    for (const TrackedFrame* b : sweep.view().frames) {
-      const Eigen::Vector3d of_b = foot(*b, p);
-      const double gap = of_a.z() - of_b.z();
-      if (of_b.z() >= 0 || gap > 2 * half_pixel_mm + 1e-6) continue;
-      const double w = of_a.z() / gap;
-      if (std::abs((1 - w) * bilinear(*a, of_a) + w * bilinear(*b, of_b) - value) <= 1.5) return true;
-    }
+// `value` is a frame's bilinear one, and the frame's plane, where that is the definition's, runs through the
+// pixel of which p is the middle; or it is the end frame's beyond it.
+bool on_a_plane_near(const test::TestSweep& sweep, const ReslicePlane& plane, const Eigen::Vector3d& p,
+                     std::uint8_t value) {
+  for (const TrackedFrame* f : sweep.view().frames) {
+    const Eigen::Vector3d at = foot(*f, p);
+    const bool beyond =
+        (f == sweep.view().frames.front() && at.z() < 0) || (f == sweep.view().frames.back() && at.z() > 0);
+    const double reach = reach_mm(plane, f->world_from_image.linear.col(2).normalized()) + 1e-6;
+    if (!beyond && std::abs(at.z()) > reach) continue;
+    if (std::abs(bilinear(*f, at) - value) <= 1.5) return true;
   }
   return false;
 }
@@ -147,8 +153,8 @@ TEST_P(DenseFrames, KeepsTheDefinitionWithinHalfAPixel) {
           ASSERT_EQ(image.coverage.view()(x, y), exact.coverage.view()(x, y));
           if (image.coverage.view()(x, y) == 0) continue;
           const std::uint8_t value = image.pixels.view()(x, y);
-          ASSERT_TRUE(interpolation == Interpolation::nearest ? found_near(sweep, p, value)
-                                                              : blended_near(sweep, p, value))
+          ASSERT_TRUE(interpolation == Interpolation::nearest ? found_near(sweep, plane, p, value)
+                                                              : on_a_plane_near(sweep, plane, p, value))
               << x << "," << y << " turned by " << turn_deg << ", linear "
               << (interpolation == Interpolation::linear);
         }
@@ -179,7 +185,7 @@ TEST_P(DenseFrames, KeepTheDefinitionWithinHalfAPixelBesideTheirEdges) {
         ASSERT_EQ(image.coverage.view()(x, y), exact.coverage.view()(x, y));
         if (image.coverage.view()(x, y) == 0) continue;
         ++compared;
-        ASSERT_TRUE(found_near(sweep, p, image.pixels.view()(x, y)))
+        ASSERT_TRUE(found_near(sweep, plane, p, image.pixels.view()(x, y)))
             << x << "," << y << " turned by " << turn_deg;
       }
     }
@@ -220,14 +226,15 @@ test::TestSweep steady_frames(double gaps, int count) {
 // Half a pixel is kept to 1/256 of one: two gaps of 1 1/128 pixels are a pixel to chains and to whole sweeps.
 TEST(Thinning, TakesAPixelAndAHundredTwentyEighthForOne) {
   Serial serial;
+  const ReslicePlane along_normals = *make_plane(Eigen::Vector3d(8, 7, 1), Eigen::Vector3d::UnitX(),
+                                                 Eigen::Vector3d::UnitZ(), 41, 41, pixel_mm);
   for (const bool inside : {true, false}) {
     const test::TestSweep sweep = steady_frames(1 + 1.0 / 128 + (inside ? -1e-3 : 1e-3), 101);
     // Nearest takes every third frame or every second, linear every second or all.
     EXPECT_EQ(thinned_for_nearest(sweep.view(), pixel_mm).size(), inside ? 35U : 51U);
     EXPECT_EQ(thinned(sweep.view(), pixel_mm).size(), inside ? 51U : 101U);
     const auto left_out = [&](Interpolation interpolation) {
-      return render_planar(sweep.view(), plane_across(0), thin_settings(interpolation), serial)
-          .frames_left_out;
+      return render_planar(sweep.view(), along_normals, thin_settings(interpolation), serial).frames_left_out;
     };
     EXPECT_NEAR(left_out(Interpolation::nearest), inside ? 67 : 50, 2);
     EXPECT_NEAR(left_out(Interpolation::linear), inside ? 50 : 0, 2);
@@ -260,6 +267,61 @@ TEST(Thinning, ForNearestCountsFromTheFrameBeforeTheNext) {
   for (int i = 1; i <= 6; ++i) add(3.55 - 0.01 * i, i % 2 == 0 ? 0.02 : -0.02);
   kept = thinned_for_nearest(sweep.view(), 0.25);
   for (int i = 46; i <= 51; ++i) EXPECT_TRUE(stays(i)) << i;
+}
+
+// A line that runs between the plane's axes is longer in the pixel than one along an axis.
+TEST(Thinning, CountsHalfAPixelAlongEachOfTheAxes) {
+  OutputPixel pixel{0.25};
+  const Eigen::Vector3d between = Eigen::Vector3d(1, -1, 1).normalized();
+  EXPECT_DOUBLE_EQ(pixel.along(between), thinning_pixel * 0.25);  // without axes
+  pixel.axes = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix().transpose();
+  EXPECT_NEAR(pixel.along(pixel.axes.row(1)), thinning_pixel * 0.25, 1e-12);
+  EXPECT_NEAR(pixel.along(pixel.axes.transpose() * between), thinning_pixel * 0.25 * std::sqrt(3.0), 1e-12);
+  const Eigen::Vector3d in_plane = pixel.axes.transpose() * Eigen::Vector3d(1, 1, 0).normalized();
+  EXPECT_NEAR(pixel.along(in_plane), thinning_pixel * 0.25 * std::sqrt(2.0), 1e-12);
+}
+
+// What no frame went from and is farther apart than a pixel is the definition's, bit for bit.
+TEST(Thinning, BlendsFramesFartherApartThanAPixel) {
+  test::TestSweep sweep;
+  add_frames(sweep, 40, 0.3);
+  Serial serial;
+  for (const double turn_deg : {0.0, 30.0}) {
+    const ReslicePlane plane = plane_across(turn_deg);
+    RenderSettings settings = thin_settings(Interpolation::linear);
+    const BandImage image = render_planar(sweep.view(), plane, settings, serial);
+    settings.thin_dense_frames = false;
+    EXPECT_TRUE(test::same_bits(image, render_planar(sweep.view(), plane, settings, serial))) << turn_deg;
+  }
+}
+
+// Frames half a pixel apart of the same picture: thinned or not, the same bits, whatever the taps.
+TEST(Thinning, TakesLinearTapsAsTheMaskAndColoursSay) {
+  Serial serial;
+  for (const PixelKind kind : {PixelKind::grey, PixelKind::doppler}) {
+    test::TestSweep sweep;
+    Pixels mask(120, 70);
+    for (int y = 0; y < 70; ++y)
+      for (int x = 0; x < 120; ++x) mask.view()(x, y) = x % 7 == 0 && y % 5 == 0 ? 0 : 1;
+    for (int i = 0; i < 101; ++i) {
+      sweep.add(
+          120, 70, test::image_pose(Eigen::Matrix3d::Identity(), {0, 0, i * 0.1}, pixel_mm),
+          [&](int x, int y, const Eigen::Vector3d&) {
+            if (kind == PixelKind::doppler) return doppler::colour_key(30, (x / 2 + y) % 2 == 0);
+            // Masked pixels must not shine through.
+            return static_cast<std::uint8_t>(mask.view()(x, y) == 0 ? 255 : 9);
+          },
+          kind);
+    }
+    if (kind == PixelKind::grey) sweep.set_mask(std::move(mask));
+    RenderSettings settings = thin_settings(Interpolation::linear);
+    const ReslicePlane plane = plane_across(25);
+    const BandImage image = render_planar(sweep.view(), plane, settings, serial);
+    EXPECT_GT(image.frames_left_out, 0);
+    settings.thin_dense_frames = false;
+    const BandImage exact = render_planar(sweep.view(), plane, settings, serial);
+    EXPECT_TRUE(test::same_bits(image, exact)) << static_cast<int>(kind);
+  }
 }
 
 // A bundle that is the plane's, and any number of threads, leave out the same frames.
