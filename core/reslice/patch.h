@@ -320,7 +320,7 @@ struct PatchKernels {
                       const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks);
 
   // Pixel (left + i, top + j) to to[i * to_stride + j], for i < columns and j < rows rounded up to 16; beyond
-  // the picture the nearest of it. One of the columns at least must be the picture's.
+  // the picture the nearest of it. Nothing where no column is the picture's.
   void (*turn)(const PictureRows& picture, int left, int top, int columns, int rows, std::uint8_t* to,
                std::ptrdiff_t to_stride);
 };

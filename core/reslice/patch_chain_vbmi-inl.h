@@ -134,14 +134,22 @@ template <class FetchLanes, class To>
 HWY_ATTR HWY_INLINE void take_cell(const ChainFrame& f, const PatchSite& site, const Condition& from,
                                    const Condition& to, const LayerRange& range, To& gathered) {
   FetchLanes fetch(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0);
+  // Copies, which nothing else points to: they stay in registers.
+  To own = gathered;
+  const Condition begin = from, end = to;
+  const LaneMask lanes = site.lanes;
+  const FixedPx x_per_layer = f.x_per_layer, y_per_layer = f.y_per_layer;
+  const int last = range.high;
   FixedPx x = f.x_at(site, range.low), y = f.y_at(site, range.low);
-  for (int l = range.low; l < range.high; ++l, x += f.x_per_layer, y += f.y_per_layer) {
-    const LaneMask m = lanes_between(from, to, site, l);
+  for (int l = range.low; l < last; ++l, x += x_per_layer, y += y_per_layer) {
+    const __m512i layer = _mm512_set1_epi8(static_cast<char>(l));
+    const LaneMask m = lanes & begin.at(layer) & ~end.at(layer);
     if (m == 0) continue;
-    if (l + layers_ahead < range.high)
-      fetch.prefetch(x + layers_ahead * f.x_per_layer, y + layers_ahead * f.y_per_layer);
-    gathered.add(l, m, fetch.at(x, y));
+    if (l + layers_ahead < last)
+      fetch.prefetch(x + layers_ahead * x_per_layer, y + layers_ahead * y_per_layer);
+    own.add(l, m, fetch.at(x, y));
   }
+  gathered = own;
 }
 
 // Calls visit(cell, from, to, range) with the conditions that begin and end each cell of the patch.

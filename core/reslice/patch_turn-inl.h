@@ -74,6 +74,7 @@ HWY_ATTR HWY_INLINE void turn_square(const std::uint8_t* const* from, std::uint8
 
 HWY_ATTR inline void turn(const PictureRows& picture, int left, int top, int columns, int rows,
                           std::uint8_t* to, std::ptrdiff_t to_stride) {
+  if (left >= picture.width || left + columns <= 0) return;
   const int first = std::clamp(left, 0, picture.width - 1);
   const int last = std::clamp(left + columns - 1, 0, picture.width - 1);
   const std::uint8_t* from[turned_side];

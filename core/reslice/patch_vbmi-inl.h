@@ -69,7 +69,11 @@ class RowsFetch {
     __m512i index = _mm512_mask_add_epi8(column_, carries_x_.at(x), column_, one);
     int from_column = left, first = top, last = bottom;
     if (left < 0 || left > room_ || top < 0 || bottom >= height_) {
-      if (width_ < reach_) return at_edge(left, base, top, bottom, index, y);
+      if (width_ < reach_) {
+        // A copy, so that this one may stay in registers.
+        const RowsFetch own = *this;
+        return own.at_edge(left, base, top, bottom, index, y);
+      }
       // Within the picture; lanes beyond it get any value.
       from_column = std::clamp(left, 0, room_);
       index = _mm512_add_epi8(index, _mm512_set1_epi8(static_cast<char>(left - from_column)));

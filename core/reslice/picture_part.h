@@ -35,7 +35,7 @@ std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Can
 class TurnedParts {
  public:
   void clear();
-  // `at`, of the frame's own picture, becomes the part's. The part has a column of the picture.
+  // `at`, of the frame's own picture, becomes the part's.
   void add(const FrameEntry& frame, const PicturePart& part, ChainFrame& at);
   // The i-th added as a picture, once there is room; its pixels are there once they are turned.
   FrameEntry picture(std::size_t i) const;

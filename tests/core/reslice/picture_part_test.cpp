@@ -1,27 +1,19 @@
 // Parts of pictures turned, for every instruction set.
-#define HWY_WANT_AVX3_DL 1  // as core/reslice/patch_kernels.cpp is compiled
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
 
 #include "core/reslice/picture_part.h"
+#include "tests/core/reslice/only_target.h"
 
 namespace sonoband {
 namespace {
 
 class TurnedPictures : public testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { choose(GetParam()); }
-  void TearDown() override { choose(0); }
-
  private:
-  static void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
+  test::OnlyTarget only_{GetParam()};
 };
 
 // Part of a picture of noise that lies in it, reaches beyond any of its edges, or holds all of it.
@@ -75,6 +67,29 @@ TEST_P(TurnedPictures, HaveColumnsAsRows) {
         }
       }
     }
+  }
+}
+
+// Where pictures end, the part of a tile that is within a frame's reach may lie beside its picture.
+TEST_P(TurnedPictures, HaveNothingBesideThePicture) {
+  constexpr int width = 40, height = 30;
+  const std::vector<std::uint8_t> pixels(width * height, 77);
+  FrameEntry frame;
+  frame.pixels = pixels.data();
+  frame.stride = frame.width = width;
+  frame.height = height;
+  TurnedParts turned;
+  ChainFrame at;
+  turned.add(frame, {0, width - 1, 0, height - 1}, at);
+  turned.add(frame, {width + 9, width + 18, 0, height - 1}, at);
+  turned.add(frame, {-30, -19, 0, height - 1}, at);
+  turned.add(frame, {0, width - 1, 0, height - 1}, at);
+  turned.lay_out();
+  turned.turn();
+  for (const std::size_t i : {1U, 2U}) {
+    const FrameEntry beside = turned.picture(i);
+    for (int column = 0; column < beside.height; ++column)
+      for (int y = 0; y < height; ++y) ASSERT_EQ(beside.pixels[column * beside.stride + y], 0);
   }
 }
 
