@@ -59,8 +59,8 @@ struct RenderSettings {
   // Leaves out frames that lie denser than the output can show; off for bit-exact work. A sample then takes
   // the definition's value at a point at most half a pixel away along each of the picture's axes: planes by
   // the rule of core/reslice/chain.h, by what each part of the picture sees of the frames (so linear does not
-  // blend frames a pixel or less apart, but takes the nearer); parts where they cross or end, curved surfaces
-  // and rolling bands by those of core/reslice/thinning.h.
+  // blend frames a pixel or less apart, but takes the nearer); parts where they cross, or with linear end,
+  // curved surfaces and rolling bands by those of core/reslice/thinning.h.
   bool thin_dense_frames = false;
 };
 

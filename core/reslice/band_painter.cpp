@@ -115,7 +115,7 @@ void BandPainter::paint_place(const std::vector<Candidate>& candidates,
 }
 
 void BandPainter::thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) {
-  if (thinning_.pixel.mm == 0 || !chain.whole) return;
+  if (thinning_.pixel.mm == 0) return;
   const std::size_t members = chain.members.size();
   thin_chain(table(), candidates, box, thinning_.pixel, interpolation(), chain);
   // Tiles of the table for the rest are counted as they are opened.
@@ -308,10 +308,9 @@ std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox&
 // False where no frame reaches the tile.
 bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b) {
   if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b)) return false;
-  const bool whole = tile.is_chain && tile.chain.whole;
-  if (whole && thinning_.pixel.mm > 0) {
+  if (tile.is_chain && thinning_.pixel.mm > 0) {
     tile.thin(interpolation(), thinning_.pixel, left_out_);
-  } else if (!whole && thinning_.rest != nullptr) {
+  } else if (!tile.is_chain && thinning_.rest != nullptr) {
     const std::size_t all = tile.candidates.size();
     if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b)) return false;
     left_out_.add(all, tile.candidates.size());

@@ -67,7 +67,7 @@ void prefetch(const FrameEntry& frame, const PicturePart& part) {
 
 std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Candidate>& candidates,
                                   const Chain& chain, const SampleBox& box, Interpolation interpolation) {
-  const double part = interpolation == Interpolation::linear ? 1 : 0.5;
+  const double part = interpolation == Interpolation::linear && !chain.unblended ? 1 : 0.5;
   std::vector<double> reaches(candidates.size());
   const std::vector<int>& members = chain.members;
   const auto z = [&](std::size_t m) { return oriented_z(table.frames[candidates[members[m]].frame]); };

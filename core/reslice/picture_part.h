@@ -27,7 +27,7 @@ PicturePart part_within(double reach_mm, const FrameEntry& frame, const Candidat
 void prefetch(const FrameEntry& frame, const PicturePart& part);
 
 // How far a candidate of a chain may be from the samples that take it, in mm: half the widest gaps beside it,
-// or with linear all of them; at an end of the chain its own reach. By candidate.
+// or with blends all of them; at an end of the chain its own reach. By candidate.
 std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Candidate>& candidates,
                                   const Chain& chain, const SampleBox& box, Interpolation interpolation);
 

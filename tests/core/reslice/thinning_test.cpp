@@ -169,16 +169,20 @@ TEST_P(DenseFrames, KeepTheDefinitionWithinHalfAPixelBesideTheirEdges) {
   test::TestSweep sweep;
   add_frames(sweep, static_cast<int>(10 / spacing_mm), spacing_mm);
   Serial serial;
-  int compared = 0;
+  int compared = 0, otherwise_covered = 0;
   for (const double turn_deg : {0.0, 35.0}) {
     const ReslicePlane plane = plane_across(turn_deg, {22, 7, 5});
     RenderSettings settings = thin_settings(Interpolation::nearest);
     const BandImage image = render_planar(sweep.view(), plane, settings, serial);
-    EXPECT_GT(image.frames_left_out, 0);
+    // Tiles where pictures end are thinned by what they see, as others are: to a pixel and a gap, but for the
+    // hand.
+    const double to_next_mm = pixel_mm + spacing_mm;
+    EXPECT_GT(image.frames_left_out, 0.84 * (10 / spacing_mm - 10 / to_next_mm));
     settings.thin_dense_frames = false;
     const BandImage exact = render_planar(sweep.view(), plane, settings, serial);
     for (int y = 0; y < plane.height; ++y) {
       for (int x = 0; x < plane.width; ++x) {
+        otherwise_covered += image.coverage.view()(x, y) != exact.coverage.view()(x, y) ? 1 : 0;
         const Eigen::Vector3d p =
             (plane.origin + (x * pixel_mm) * plane.right + (y * pixel_mm) * plane.down).v;
         if (at_an_edge(sweep, p)) continue;
@@ -191,6 +195,7 @@ TEST_P(DenseFrames, KeepTheDefinitionWithinHalfAPixelBesideTheirEdges) {
     }
   }
   EXPECT_GT(compared, 1000);
+  EXPECT_LE(otherwise_covered, 3);  // ties at the edges
 }
 
 INSTANTIATE_TEST_SUITE_P(Spacings, DenseFrames, testing::Values(0.1, 0.07, 0.025));
