@@ -2,10 +2,12 @@
 install(TARGETS sonoband sonoband-tool RUNTIME DESTINATION bin)
 install(FILES ${CMAKE_SOURCE_DIR}/board/udev/70-sonoband.rules ${CMAKE_SOURCE_DIR}/board/sticks/70-sonoband-sticks.rules
   DESTINATION lib/udev/rules.d)
-install(PROGRAMS ${CMAKE_SOURCE_DIR}/board/sticks/mount-stick DESTINATION lib/sonoband)
+install(PROGRAMS ${CMAKE_SOURCE_DIR}/board/sticks/mount-stick ${CMAKE_SOURCE_DIR}/board/systemd/grow-data
+  ${CMAKE_SOURCE_DIR}/board/systemd/stop-cart ${CMAKE_SOURCE_DIR}/board/systemd/x-server DESTINATION lib/sonoband)
 install(FILES ${CMAKE_SOURCE_DIR}/board/sticks/sonoband-sticks.rules DESTINATION share/polkit-1/rules.d)
 install(FILES ${CMAKE_SOURCE_DIR}/board/sticks/tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME sonoband.conf)
-install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service DESTINATION lib/systemd/system)
+install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service
+  ${CMAKE_SOURCE_DIR}/board/systemd/sonoband-grow-data.service DESTINATION lib/systemd/system)
 install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example
   ${CMAKE_SOURCE_DIR}/board/systemd/fstab.example ${CMAKE_SOURCE_DIR}/LICENSE
   DESTINATION share/doc/sonoband)

@@ -29,18 +29,13 @@ def wait_for(there, what, seconds=PATIENCE, ended=lambda: None):
         time.sleep(0.05)
 
 
-class Monitor:
-    """QEMU's machine protocol and the line by which the pedal is pressed."""
+class Machine:
+    """QEMU's machine protocol, on `qmp.sock` in a folder."""
 
     def __init__(self, folder, ended):
         self.machine = self.connect(os.path.join(folder, 'qmp.sock'), ended).makefile('rw')
         self.machine.readline()
         self.say('qmp_capabilities')
-        tree = self.say('human-monitor-command', **{'command-line': 'info qom-tree'})['return']
-        found = re.search(r'/(device\[\d+\]) \(pl061\)', tree)
-        require(found, 'QEMU has no PL061')
-        self.chip = '/machine/unattached/' + found.group(1)
-        self.test = self.connect(os.path.join(folder, 'qtest.sock'), ended)
 
     @staticmethod
     def connect(path, ended):
@@ -60,6 +55,18 @@ class Monitor:
             answer = json.loads(self.machine.readline())
             if 'return' in answer or 'error' in answer:
                 return answer
+
+
+class Monitor(Machine):
+    """That protocol, and the line by which the pedal is pressed."""
+
+    def __init__(self, folder, ended):
+        super().__init__(folder, ended)
+        tree = self.say('human-monitor-command', **{'command-line': 'info qom-tree'})['return']
+        found = re.search(r'/(device\[\d+\]) \(pl061\)', tree)
+        require(found, 'QEMU has no PL061')
+        self.chip = '/machine/unattached/' + found.group(1)
+        self.test = self.connect(os.path.join(folder, 'qtest.sock'), ended)
 
     def line(self, number, level):
         """Of the pedal's chip, from outside."""
