@@ -11,7 +11,8 @@ install(FILES ${CMAKE_SOURCE_DIR}/board/systemd/sonoband.service
 install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/board/systemd/board.example
   ${CMAKE_SOURCE_DIR}/board/systemd/fstab.example ${CMAKE_SOURCE_DIR}/LICENSE
   DESTINATION share/doc/sonoband)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/board/profiles ${CMAKE_SOURCE_DIR}/board/raspberrypi DESTINATION share/sonoband)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/board/profiles ${CMAKE_SOURCE_DIR}/board/raspberrypi DESTINATION share/sonoband
+  PATTERN make-cart EXCLUDE)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME sonoband)
