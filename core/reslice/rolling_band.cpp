@@ -146,8 +146,7 @@ BandImage RollingBand::render(PreparedSweep& sweep, const ReslicePlane& plane, c
   const std::shared_ptr<const FrameTable> table = table_of(sweep);
   const bool first = blocks_.empty();
   paint_missing(*table, band, parallel);
-  const std::vector<Portion> ahead =
-      first ? std::vector<Portion>() : portions_ahead(before, band, parallel.width());
+  const std::vector<Portion> ahead = portions_ahead(before, band, first, parallel.width());
   BandImage image = compound(band, parallel, static_cast<int>(ahead.size()), painter_of(*table, ahead));
   image.kind = kind_of(sweep);
   image.frames_left_out = left_out_;
@@ -306,17 +305,19 @@ void RollingBand::paint_missing(const FrameTable& table, const Window& band, Par
   if (!portions.empty()) parallel.for_each(static_cast<int>(portions.size()), painter_of(table, portions));
 }
 
-// What remains of the blocks that come next over the steps that remain until they are reached.
+// What remains of the blocks that come next over the steps that remain until they are reached. The first
+// step, long as it is, takes what they are behind, so that those after it cost the same from the start.
 std::vector<RollingBand::Portion> RollingBand::portions_ahead(const Window& before, const Window& band,
-                                                              int threads) {
+                                                              bool first, int threads) {
   const int lowest = block_of(band.first), highest = block_of(band.last);
   const int up = band.last - before.last, down = before.first - band.first;
   const int count = up > 0 && down > 0 ? (threads + 1) / 2 : threads;
   std::vector<Portion> portions;
   const auto ahead = [&](int block, int moved, int until_reached) {
     if (moved <= 0) return;
-    const int steps = until_reached / moved + 1;
-    add_portions(block, (strips_left(block) + steps - 1) / steps, count, portions);
+    const int steps = until_reached / moved + 1, left = strips_left(block);
+    const int strips = first ? left - strips_ * until_reached / block_layers : (left + steps - 1) / steps;
+    add_portions(block, strips, count, portions);
   };
   ahead(highest + 1, up, (highest + 1) * block_layers - 1 - band.last);
   ahead(lowest - 1, down, band.first - lowest * block_layers);

@@ -128,7 +128,7 @@ class RollingBand {
   // Paints portion i of several; they may be painted in any order and on any threads.
   std::function<void(int)> painter_of(const FrameTable& table, const std::vector<Portion>& portions);
   void paint_missing(const FrameTable& table, const Window& band, Parallel& parallel);
-  std::vector<Portion> portions_ahead(const Window& before, const Window& band, int threads);
+  std::vector<Portion> portions_ahead(const Window& before, const Window& band, bool first, int threads);
   void fill_gaps(std::uint8_t missing, Parallel& parallel);
   void forget_far(const Window& band);
   void forget();

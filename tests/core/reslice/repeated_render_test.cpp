@@ -350,9 +350,9 @@ TEST(RollingBand, AStepPaintsWhatIsNewAndOnlyAMoveStartsLayers) {
     render();
     return rolling.layers_painted();
   };
-  // Layers -4 to 6 lie in the blocks of -16 to 15; a picture this small is one strip, so what comes is
-  // painted ahead with the first step towards it.
-  EXPECT_EQ(drag(1), 32);
+  // Layers -4 to 6 lie in the blocks of -16 to 15; a picture this small is one strip, so the block that comes
+  // is painted with the first step towards it.
+  EXPECT_EQ(drag(1), 48);
   EXPECT_EQ(drag(1), 48);
   EXPECT_EQ(drag(1), 48);
   EXPECT_EQ(drag(-1), 64);
