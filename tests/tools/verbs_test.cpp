@@ -62,6 +62,31 @@ class Verbs : public ToolTest {
   std::vector<std::string> across{"--origin", "0,4,0",  "--right", "2,0,0",      "--down",
                                   "0.1,0,1",  "--size", "40x39",   "--pixel-mm", "0.5"};
 
+  // Greys that change from frame to frame, and flow that pulsates between two colours at (12..15, 8).
+  void write_flow(const doppler::Rgb& even, const doppler::Rgb& odd) const {
+    exchange::TrackedSequence s;
+    s.width = 40;
+    s.height = 30;
+    s.components = 3;
+    s.frames.resize(20);
+    s.pixels = exchange::PixelBuffer(3 * 40 * 30 * 20);
+    for (int i = 0; i < 20; ++i) {
+      std::uint8_t* frame = s.pixels.bytes().data() + static_cast<std::size_t>(i) * 3600;
+      std::fill_n(frame, 3600, static_cast<std::uint8_t>(40 + 3 * i));
+      const doppler::Rgb& colour = i % 2 == 0 ? even : odd;
+      for (std::size_t x = 12; x < 16; ++x) {
+        std::uint8_t* c = frame + (8 * 40 + x) * 3;
+        c[0] = colour.r;
+        c[1] = colour.g;
+        c[2] = colour.b;
+      }
+      Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+      pose(2, 3) = i;
+      exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Probe", "Reference"}, pose);
+    }
+    exchange::write_sequence(s, sequence);
+  }
+
   std::vector<std::string> across_and(std::vector<std::string> more) const {
     std::vector<std::string> words = across;
     words.insert(words.end(), more.begin(), more.end());
@@ -70,26 +95,7 @@ class Verbs : public ToolTest {
 };
 
 TEST_F(Verbs, ADopplerRecordingGivesAPictureInColour) {
-  exchange::TrackedSequence s;
-  s.width = 40;
-  s.height = 30;
-  s.components = 3;
-  s.frames.resize(20);
-  s.pixels = exchange::PixelBuffer(3 * 40 * 30 * 20);
-  for (int i = 0; i < 20; ++i) {
-    for (std::size_t k = 0; k < 3 * 1200; ++k)
-      s.pixels.bytes()[static_cast<std::size_t>(i) * 3600 + k] = static_cast<std::uint8_t>(40 + 3 * i);
-    // Pure red, a middling velocity that pulsates, at (12..15, 8).
-    for (std::size_t x = 12; x < 16; ++x) {
-      std::uint8_t* c = s.pixels.bytes().data() + static_cast<std::size_t>(i) * 3600 + (8 * 40 + x) * 3;
-      c[0] = static_cast<std::uint8_t>(i % 2 == 0 ? 250 : 200);
-      c[1] = c[2] = 4;
-    }
-    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
-    pose(2, 3) = i;
-    exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Probe", "Reference"}, pose);
-  }
-  exchange::write_sequence(s, sequence);
+  write_flow({250, 4, 4}, {200, 4, 4});
   ASSERT_EQ(render(across_and({"--thickness-mm", "2", "--json", path("s.json")})).exit_code, 0);
   const auto picture = exchange::read_png(path("out.png"));
   ASSERT_EQ(picture.channels, 3);
@@ -105,25 +111,7 @@ TEST_F(Verbs, ADopplerRecordingGivesAPictureInColour) {
 
 // Green towards the probe: on the usual bar it is no flow, and what is no flow is masked.
 TEST_F(Verbs, FlowIsReadAndShownByTheScannersOwnBar) {
-  exchange::TrackedSequence s;
-  s.width = 40;
-  s.height = 30;
-  s.components = 3;
-  s.frames.resize(20);
-  s.pixels = exchange::PixelBuffer(3 * 40 * 30 * 20);
-  for (int i = 0; i < 20; ++i) {
-    std::uint8_t* frame = s.pixels.bytes().data() + static_cast<std::size_t>(i) * 3600;
-    std::fill_n(frame, 3600, static_cast<std::uint8_t>(40 + 3 * i));
-    for (std::size_t x = 12; x < 16; ++x) {
-      std::uint8_t* c = frame + (8 * 40 + x) * 3;
-      c[0] = c[2] = 8;
-      c[1] = static_cast<std::uint8_t>(i % 2 == 0 ? 240 : 200);
-    }
-    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
-    pose(2, 3) = i;
-    exchange::set_transform(s.frames[static_cast<std::size_t>(i)], {"Probe", "Reference"}, pose);
-  }
-  exchange::write_sequence(s, sequence);
+  write_flow({8, 240, 8}, {8, 200, 8});
   const auto colour = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"--thickness-mm", "2", "--colour", "doppler"};
     words.insert(words.end(), more.begin(), more.end());
