@@ -258,11 +258,11 @@ bool RedirSession::bulk(std::uint64_t id, std::span<const std::uint8_t> body, By
   return true;
 }
 
-void RedirSession::pump(Bytes& out) {
-  if (pending_.empty()) return;
+bool RedirSession::pump(Bytes& out) {
+  if (pending_.empty()) return false;
   const Pending p = pending_.front();
   const auto data = device_.bulk_in(p.length);
-  if (!data) return;
+  if (!data) return false;
   pending_.pop_front();
   Fields reply;
   reply.u8(p.endpoint)
@@ -272,6 +272,7 @@ void RedirSession::pump(Bytes& out) {
       .u16(static_cast<unsigned>(data->size() >> 16))
       .bytes(*data);
   say(bulk_packet, p.id, reply.out, out);
+  return true;
 }
 
 void serve(UsbDevice& device, const std::string& socket_path, const std::atomic<bool>& stop,
@@ -299,6 +300,7 @@ void serve(UsbDevice& device, const std::string& socket_path, const std::atomic<
     Bytes out;
     std::array<std::uint8_t, 65536> in{};
     bool good = session.hear({}, out);
+    bool answered = false;
     while (good && !stop && !unplugged) {
       for (std::size_t sent = 0; sent < out.size();) {
         const ssize_t n = send(peer, out.data() + sent, out.size() - sent, MSG_NOSIGNAL);
@@ -310,12 +312,13 @@ void serve(UsbDevice& device, const std::string& socket_path, const std::atomic<
       }
       out.clear();
       pollfd ready{peer, POLLIN, 0};
-      if (!good || poll(&ready, 1, session.waiting() ? 0 : 20) < 0) break;
+      const int patience_ms = answered ? 0 : session.waiting() ? 1 : 20;
+      if (!good || poll(&ready, 1, patience_ms) < 0) break;
       if (ready.revents != 0) {
         const ssize_t n = recv(peer, in.data(), in.size(), 0);
         good = n > 0 && session.hear({in.data(), static_cast<std::size_t>(n)}, out);
       }
-      if (good) session.pump(out);
+      answered = good && session.pump(out);
     }
     device.unplugged();
     ::close(peer);

@@ -21,8 +21,8 @@ class RedirSession {
 
   // False when the peer broke the protocol: the session is over.
   bool hear(std::span<const std::uint8_t> bytes, Bytes& out);
-  // Answers a waiting transfer if the device has something for it.
-  void pump(Bytes& out);
+  // Answers a waiting transfer if the device has something for it; false: it has not.
+  bool pump(Bytes& out);
   bool waiting() const { return !pending_.empty(); }
 
  private:

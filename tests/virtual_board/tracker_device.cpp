@@ -1,7 +1,6 @@
 #include "tests/virtual_board/tracker_device.h"
 
 #include <algorithm>
-#include <thread>
 
 namespace sonoband::virtual_board {
 namespace {
@@ -86,10 +85,7 @@ std::optional<Bytes> TrackerDevice::bulk_in(std::size_t most) {
     const std::lock_guard lock(mutex_);
     got = bus_->read(bytes, Duration(0));
   }
-  if (got.count == 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return std::nullopt;
-  }
+  if (got.count == 0) return std::nullopt;
   bytes.resize(std::min(got.count, most));
   return bytes;
 }

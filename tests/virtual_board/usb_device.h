@@ -29,8 +29,7 @@ class UsbDevice {
 
   virtual void plugged() = 0;    // a host is there
   virtual void unplugged() = 0;  // it is not
-  // Called on the device's own thread: bytes for a bulk IN transfer of at most `most`; waits a while for
-  // them. Empty: none yet.
+  // Bytes for a bulk IN transfer of at most `most`, without waiting for them. Empty: none yet.
   virtual std::optional<Bytes> bulk_in(std::size_t most) = 0;
   virtual void bulk_out(std::span<const std::uint8_t> bytes) = 0;
 };

@@ -1,7 +1,6 @@
 #include "tests/virtual_board/video_device.h"
 
 #include <algorithm>
-#include <thread>
 
 namespace sonoband::virtual_board {
 namespace {
@@ -166,10 +165,7 @@ std::optional<Bytes> VideoUsbDevice::bulk_in(std::size_t most) {
   if (most < 3) return Bytes{};
   if (sent_ == picture_.size()) {
     const Stamp now = clock_.now();
-    if (stalled || now < next_) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      return std::nullopt;
-    }
+    if (stalled || now < next_) return std::nullopt;
     next_ = std::max(next_ + from_seconds(1.0 / rate_hz_), now);
     paint_next();
   }
