@@ -108,6 +108,7 @@ void RenderWorker::tell(const RequestPainter& painter) {
   counts_.from_layers = painter.from_layers();
   counts_.layers_ms = painter.layers_ms();
   counts_.layer_bytes = painter.layer_bytes();
+  counts_.turned_bytes = painter.turned_bytes();
 }
 
 void RenderWorker::answer(RequestPainter& painter, const RenderRequest& request) {
@@ -121,15 +122,16 @@ void RenderWorker::answer(RequestPainter& painter, const RenderRequest& request)
   tell(painter);
 }
 
-// Waits for it; layers that nobody asks for meanwhile are given back.
+// Waits for it; layers and turned pictures that nobody asks for meanwhile are given back.
 RenderRequest RenderWorker::next_request(RequestPainter& painter, const RenderLimits& limits, bool& ends) {
   std::unique_lock lock(mutex_);
   working_ = false;
   if (!next_) idle_.notify_all();
   const auto called = [&] { return ending_ || next_.has_value(); };
-  if (painter.layer_bytes() > 0 && !wake_.wait_for(lock, limits.layers_kept, called)) {
-    painter.give_layers_back();
-    counts_.layer_bytes = 0;
+  const bool keeps = painter.layer_bytes() + painter.turned_bytes() > 0;
+  if (keeps && !wake_.wait_for(lock, limits.layers_kept, called)) {
+    painter.give_back();
+    counts_.layer_bytes = counts_.turned_bytes = 0;
   }
   wake_.wait(lock, called);
   ends = ending_;
@@ -149,7 +151,7 @@ RenderRequest RenderWorker::next_request(RequestPainter& painter, const RenderLi
 void RenderWorker::serve(const RenderLimits& limits) {
   Workers workers(threads_);
   Stoppable parallel(workers, overtaken_);
-  RequestPainter painter({parallel, workers, overtaken_}, limits.layer_bytes);
+  RequestPainter painter({parallel, workers, overtaken_}, limits.layer_bytes, limits.turned_bytes);
   for (bool ends = false;;) {
     const RenderRequest request = next_request(painter, limits, ends);
     if (ends) return;

@@ -28,7 +28,9 @@ namespace sonoband {
 
 struct RenderLimits {
   std::size_t layer_bytes = std::size_t{256} << 20;  // of a drag's layers; 14 mm of 640x480 take up to 122 MB
-  Duration layers_kept = std::chrono::seconds(10);   // after the last request
+  // Of the sweep's pictures kept turned: 61 MB of 200 of 640x480; none of a sweep that would take more.
+  std::size_t turned_bytes = std::size_t{256} << 20;
+  Duration layers_kept = std::chrono::seconds(10);  // they and turned pictures, after the last request
 };
 
 class RenderWorker {
@@ -49,12 +51,13 @@ class RenderWorker {
   struct Counts {
     std::uint64_t asked = 0;
     std::uint64_t done = 0;
-    std::uint64_t given_up = 0;     // overtaken by a newer one, before or during their work
-    std::uint64_t from_layers = 0;  // of the planar pictures
-    std::uint64_t coarse = 0;       // pictures shown before the full ones
-    std::uint64_t early = 0;        // planar bands shown before their manifolds
-    std::uint64_t layer_bytes = 0;  // kept now
-    double layers_ms = 0;           // of the worker's thread, spent on getting layers ready
+    std::uint64_t given_up = 0;      // overtaken by a newer one, before or during their work
+    std::uint64_t from_layers = 0;   // of the planar pictures
+    std::uint64_t coarse = 0;        // pictures shown before the full ones
+    std::uint64_t early = 0;         // planar bands shown before their manifolds
+    std::uint64_t layer_bytes = 0;   // kept now
+    std::uint64_t turned_bytes = 0;  // likewise
+    double layers_ms = 0;            // of the worker's thread, spent on getting layers ready
   };
   Counts counts() const;
 

@@ -239,6 +239,9 @@ std::shared_ptr<const ManifoldPicture> RequestPainter::manifold(
 
 RenderResult RequestPainter::answer(const RenderRequest& request, PreparedSweep& sweep, const Show& show) {
   layers_.follow(request.sweep_version, request.settings.gap);
+  if (request.sweep_version != turned_version_) turned_.clear();
+  turned_version_ = request.sweep_version;
+  sweep.use_turned(&turned_);
   const Job job{request, sweep, show};
   RenderResult result;
   result.sweep_id = request.sweep_id;
@@ -251,13 +254,21 @@ RenderResult RequestPainter::answer(const RenderRequest& request, PreparedSweep&
 
 void RequestPainter::keep(const RenderRequest& request, const RenderResult& result) {
   dragged_ = drags(done_, request);
+  // While a sweep grows each picture of it is another version.
+  turned_parts_ = done_.sweep_version == request.sweep_version && result.planar->band.turned_parts;
   result_ = result;
   seen_ = result.manifold;
   done_ = request;
   done_.sweep = {};
 }
 
+void RequestPainter::give_back() {
+  layers_.give_back();
+  turned_.clear();
+}
+
 void RequestPainter::get_ready(const RenderRequest& request, PreparedSweep& sweep, const StopFlag& stop) {
+  if (turned_parts_) turned_.extend(request.sweep.view, most_turned_bytes_, hands_.workers, &stop);
   if (!dragged_) return;
   const Duration worked = thread_time();
   layers_.get_ready(sweep, request.plane, layer_settings_of(request), hands_.workers, stop);

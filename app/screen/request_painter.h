@@ -11,6 +11,7 @@
 
 #include "app/screen/drag_layers.h"
 #include "app/screen/render_request.h"
+#include "core/reslice/turned_frames.h"
 
 namespace sonoband {
 
@@ -25,8 +26,8 @@ class RequestPainter {
   // Takes what can be shown before the rest is done. False: the job is overtaken, give it up.
   using Show = std::function<bool(RenderResult)>;
 
-  RequestPainter(const Hands& hands, std::size_t most_layer_bytes)
-      : hands_(hands), layers_(most_layer_bytes) {}
+  RequestPainter(const Hands& hands, std::size_t most_layer_bytes, std::size_t most_turned_bytes)
+      : hands_(hands), layers_(most_layer_bytes), most_turned_bytes_(most_turned_bytes) {}
 
   // The full answer; before it, to `show`, a coarse picture where the full one takes too long, and the planar
   // band where the manifold is still to be painted. Rubbish once the job is overtaken: then `keep` must not
@@ -34,11 +35,13 @@ class RequestPainter {
   RenderResult answer(const RenderRequest& request, PreparedSweep& sweep, const Show& show);
   // The answer was shown: the next request is compared with it.
   void keep(const RenderRequest& request, const RenderResult& result);
-  // Layers for the next step of a drag, if this was one; ends soon after `stop` is set.
+  // Layers for the next step of a drag, if this was one; the sweep's pictures turned, if parts of them had to
+  // be for this band and the sweep had stopped to change. Ends soon after `stop` is set.
   void get_ready(const RenderRequest& request, PreparedSweep& sweep, const StopFlag& stop);
 
   std::size_t layer_bytes() const { return layers_.bytes(); }
-  void give_layers_back() { layers_.give_back(); }
+  std::size_t turned_bytes() const { return turned_.bytes(); }
+  void give_back();
   std::uint64_t from_layers() const { return from_layers_; }  // planar pictures, since the start
   double layers_ms() const { return layers_ms_; }             // processor time of getting ready, likewise
 
@@ -76,6 +79,10 @@ class RequestPainter {
 
   Hands hands_;
   DragLayers layers_;
+  TurnedFrames turned_;  // of the sweep version painted last
+  std::uint64_t turned_version_ = 0;
+  std::size_t most_turned_bytes_;
+  bool turned_parts_ = false;  // the last band had parts of pictures turned, of a version seen before
   Flow flow_;
   RenderRequest done_;  // that the newest full result answers; its sweep is let go: the ring needs the room
   RenderResult result_;

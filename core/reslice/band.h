@@ -72,6 +72,8 @@ struct BandImage {
   PixelKind kind = PixelKind::grey;
   // By RenderSettings::thin_dense_frames; on planes in the mean over the picture's tiles.
   int frames_left_out = 0;
+  // Parts of pictures were turned for it: with pictures that are kept turned (turned_frames.h) it takes less.
+  bool turned_parts = false;
 };
 
 // Parallel, equally sampled lines: what both a plane and an unrolled surface are. Row r of the picture is

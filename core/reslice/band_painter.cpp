@@ -235,7 +235,10 @@ void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region
 }
 
 void BandPainter::paint_tile(const Lattice& lattice) {
-  if (tile_.turned) tile_.turned_parts.turn();
+  if (tile_.parts_to_turn()) {
+    tile_.turned_parts.turn();
+    turned_parts_ = true;
+  }
   if (tile_.is_chain && tile_.block.depth <= patch_layers) {
     paint_chain(lattice, tile_.block, tile_.box, tile_.candidates, tile_.chain);
     return;

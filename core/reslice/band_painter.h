@@ -49,6 +49,7 @@ class BandPainter {
   void paint_strips(const Lattice& lattice, const std::vector<Strip>& strips);
 
   const LeftOut& left_out() const { return left_out_; }
+  bool turned_parts() const { return turned_parts_; }
 
   // Rows [first, last) of any bundle, samples [a, a + 64).
   void paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first, int last);
@@ -110,6 +111,7 @@ class BandPainter {
   const FrameTable& table_;
   Thinning thinning_;
   LeftOut left_out_;
+  bool turned_parts_ = false;
   const std::atomic<bool>* stop_;  // may be null
   bool linear_;
   Rule rule_;

@@ -53,7 +53,7 @@ FrameTable make_frame_table(const SweepView& sweep, const GapLimit& gap) {
     };
     table.frames.push_back({row(0), row(1), row(2), row(2).gradient, limits[i],
                             normals.at(f.sweep_id).dot(first) < 0, f.bscan.pixels.data, f.bscan.pixels.stride,
-                            f.bscan.pixels.width, f.bscan.pixels.height});
+                            f.bscan.pixels.width, f.bscan.pixels.height, nullptr, 0});
   }
   table.mask = sweep.mask;
   table.mask_sums = MaskSums(sweep.mask);

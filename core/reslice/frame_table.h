@@ -28,6 +28,9 @@ struct FrameEntry {
   std::ptrdiff_t stride = 0;
   int width = 0;
   int height = 0;
+  // The same picture turned, as rows of `height` pixels (turned_frames.h); null: it is not kept.
+  const std::uint8_t* turned = nullptr;
+  std::ptrdiff_t turned_stride = 0;
 };
 
 // How many pixels of a rectangle the mask keeps, in constant time: is a foot's neighbourhood all ultrasound?

@@ -112,18 +112,23 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
   const Lattice own = in_own_coordinates(lattice);
   const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
   const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
-  std::vector<LeftOut> left_out(static_cast<std::size_t>(across) * down);
+  struct Counts {
+    LeftOut left_out;
+    bool turned_parts = false;
+  };
+  std::vector<Counts> of_strips(static_cast<std::size_t>(across) * down);
   parallel.for_each(across * down, [&](int strip) {
     BandPainter painter(seen, settings, image, stop, thinning);
     const int a = strip % across * strip_pixels;
     painter.paint_strips(own,
                          {{a, strip / across * tile_pixels, std::min(strip_pixels, lattice.samples - a)}});
-    left_out[strip] = painter.left_out();
+    of_strips[strip] = {painter.left_out(), painter.turned_parts()};
   });
   LeftOut sum;
-  for (const LeftOut& of_strip : left_out) {
-    sum.reached += of_strip.reached;
-    sum.left_out += of_strip.left_out;
+  for (const Counts& of_strip : of_strips) {
+    sum.reached += of_strip.left_out.reached;
+    sum.left_out += of_strip.left_out.left_out;
+    image.turned_parts = image.turned_parts || of_strip.turned_parts;
   }
   image.frames_left_out = frames_left_out(table, sum);
   return image;

@@ -83,6 +83,13 @@ std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Can
   return reaches;
 }
 
+void turn_positions(ChainFrame& at) {
+  std::swap(at.x, at.y);
+  std::swap(at.x_per_sample, at.y_per_sample);
+  std::swap(at.x_per_row, at.y_per_row);
+  std::swap(at.x_per_layer, at.y_per_layer);
+}
+
 void TurnedParts::clear() {
   parts_.clear();
   size_ = 0;
@@ -92,10 +99,7 @@ void TurnedParts::add(const FrameEntry& frame, const PicturePart& part, ChainFra
   const std::ptrdiff_t stride = (part.rows() + 15) / 16 * 16;
   parts_.push_back({&frame, part, size_, stride});
   size_ += static_cast<std::size_t>(part.columns()) * stride + load_px;
-  std::swap(at.x, at.y);
-  std::swap(at.x_per_sample, at.y_per_sample);
-  std::swap(at.x_per_row, at.y_per_row);
-  std::swap(at.x_per_layer, at.y_per_layer);
+  turn_positions(at);
   at.x -= static_cast<FixedPx>(part.top) << 32;
   at.y -= static_cast<FixedPx>(part.left) << 32;
 }

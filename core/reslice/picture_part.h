@@ -31,6 +31,12 @@ void prefetch(const FrameEntry& frame, const PicturePart& part);
 std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Candidate>& candidates,
                                   const Chain& chain, const SampleBox& box, Interpolation interpolation);
 
+// The same of the picture turned.
+inline PicturePart turned_part(const PicturePart& part) {
+  return {part.top, part.bottom, part.left, part.right};
+}
+void turn_positions(ChainFrame& at);
+
 // Parts of pictures turned, one after another.
 class TurnedParts {
  public:

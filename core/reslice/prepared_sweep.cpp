@@ -3,6 +3,7 @@
 #include "core/reslice/frame_table.h"
 #include "core/reslice/paint.h"
 #include "core/reslice/thinning.h"
+#include "core/reslice/turned_frames.h"
 
 namespace sonoband {
 
@@ -17,12 +18,18 @@ void PreparedSweep::append(const TrackedFrame& frame) {
   stale_ = true;
 }
 
+void PreparedSweep::use_turned(const TurnedFrames* turned) {
+  turned_ = turned;
+  stale_ = true;
+}
+
 const FrameTable& PreparedSweep::prepare() {
   if (!stale_) return *table_;
   MaskSums sums = table_ ? std::move(table_->mask_sums) : MaskSums(mask_);
   table_ = std::make_unique<FrameTable>(make_frame_table({frames_, {}}, gap_));
   table_->mask = mask_;
   table_->mask_sums = std::move(sums);
+  if (turned_ != nullptr) turned_->enter(*table_);
   thinned_table_.reset();
   stale_ = false;
   return *table_;
@@ -32,7 +39,9 @@ std::shared_ptr<const FrameTable> PreparedSweep::prepare_thinned(double pixel_mm
                                                                  Interpolation interpolation) {
   prepare();
   if (thinned_table_ && thinned_pixel_mm_ == pixel_mm && thinned_for_ == interpolation) return thinned_table_;
-  thinned_table_ = std::make_shared<FrameTable>(make_thinned_table(view(), gap_, pixel_mm, interpolation));
+  auto thinned = std::make_shared<FrameTable>(make_thinned_table(view(), gap_, pixel_mm, interpolation));
+  if (turned_ != nullptr) turned_->enter(*thinned);
+  thinned_table_ = std::move(thinned);
   thinned_pixel_mm_ = pixel_mm;
   thinned_for_ = interpolation;
   return thinned_table_;

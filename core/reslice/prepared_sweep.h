@@ -10,6 +10,7 @@
 namespace sonoband {
 
 struct FrameTable;
+class TurnedFrames;
 
 // Borrows frames, pictures and mask: they must outlive it. Not for two threads at once; renderings only read
 // it.
@@ -22,6 +23,10 @@ class PreparedSweep {
 
   // Cheap: the next prepare() sees it. pose_status must be ok.
   void append(const TrackedFrame& frame);
+
+  // Renderings from now on take the pictures that are kept turned there, of this sweep: they must stay until
+  // the next call or the end. Null: none are.
+  void use_turned(const TurnedFrames* turned);
 
   // Brings the tables up to date after append(): 0.1 ms for 200 frames. Gap limits of all frames may change,
   // because the automatic ones rest on the median over the sweep.
@@ -37,6 +42,7 @@ class PreparedSweep {
   std::vector<const TrackedFrame*> frames_;
   MaskView mask_;
   GapLimit gap_;
+  const TurnedFrames* turned_ = nullptr;
   bool stale_ = true;
   std::unique_ptr<FrameTable> table_;
   std::shared_ptr<const FrameTable> thinned_table_;

@@ -15,6 +15,15 @@ double own_reach(const FrameEntry& frame) {
   return frame.gap_mm + tie_mm + 1e-3;
 }
 
+// The picture that is kept turned, with its axes.
+FrameEntry turned_entry(const FrameEntry& frame) {
+  FrameEntry turned = frame;
+  turned.pixels = frame.turned;
+  turned.stride = frame.turned_stride;
+  std::swap(turned.width, turned.height);
+  return turned;
+}
+
 FixedPx fixed(double px) {
   return std::llround(px * fixed_per_px);
 }
@@ -65,10 +74,11 @@ void Tile::make_patches(const Lattice& lattice, int taps) {
     const FrameEntry& f = table->frames[candidates[c].frame];
     const FootSteps steps{f.x_px.gradient.dot(lattice.per_sample), f.x_px.gradient.dot(lattice.per_row),
                           f.y_px.gradient.dot(lattice.per_sample), f.y_px.gradient.dot(lattice.per_row)};
-    if (turned) {
-      make_patch_frame(turned_parts.picture(c),
-                       {steps.y_per_sample, steps.y_per_row, steps.x_per_sample, steps.x_per_row}, grid, taps,
-                       frames[c].patch);
+    const FootSteps turned_steps{steps.y_per_sample, steps.y_per_row, steps.x_per_sample, steps.x_per_row};
+    if (turned && turned_kept) {
+      make_patch_frame(turned_entry(f), turned_steps, grid, taps, frames[c].patch);
+    } else if (turned) {
+      make_patch_frame(turned_parts.picture(c), turned_steps, grid, taps, frames[c].patch);
       turned_parts.bound(c, frames[c].patch);
     } else {
       make_patch_frame(f, steps, grid, taps, frames[c].patch);
@@ -141,14 +151,26 @@ void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_re
     // Frames whose neighbours' pictures end take samples in all their reach.
     const double reach = !may.turn ? f.gap_mm : chain.whole ? reaches[c] : std::max(reaches[c], own_reach(f));
     parts.push_back(part_within(reach, f, candidates[c], lattice, block, frames[c].at));
-    prefetch(f, parts.back());
     may.turned_pixels += static_cast<double>(parts.back().columns()) * parts.back().rows();
   }
+  // Does not depend on what is kept: linear is not the same to the last bit along rows and along columns.
   const PatchChoice choice = choose_patches(*this, lattice, interpolation, may);
   shape = choice.shape;
   turned = choice.turned;
   grid = lane_grid(shape);
-  if (turned) {
+  turned_kept = turned && std::all_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+                  return table->frames[c.frame].turned != nullptr;
+                });
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const FrameEntry& f = table->frames[candidates[c].frame];
+    if (turned_kept) {
+      prefetch(turned_entry(f), turned_part(parts[c]));
+      turn_positions(frames[c].at);
+    } else {
+      prefetch(f, parts[c]);
+    }
+  }
+  if (parts_to_turn()) {
     turned_parts.clear();
     for (std::size_t c = 0; c < candidates.size(); ++c)
       turned_parts.add(table->frames[candidates[c].frame], parts[c], frames[c].at);

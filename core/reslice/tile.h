@@ -39,7 +39,8 @@ struct Tile {
   bool is_chain = false;              // candidates are `chain` throughout the tile
   Chain chain;
   std::vector<PicturePart> parts;  // of the candidates' pictures, that the tile takes
-  bool turned = false;             // frames are the turned parts, not the pictures themselves
+  bool turned = false;             // frames are seen turned: lanes along pixel columns
+  bool turned_kept = false;        // they are the sweep's turned pictures, else turned_parts
   TurnedParts turned_parts;
 
   // Finds the candidates of the tile at sample a, row b, and whether they are a chain; `may_end`: one whose
@@ -49,10 +50,11 @@ struct Tile {
             Interpolation interpolation, bool may_end, int a, int b);
   // Thins a chain by the rule of chain.h.
   void thin(Interpolation interpolation, const OutputPixel& pixel, LeftOut& count);
-  // Makes what patches share of the candidates, and asks for their pixels. Where `turned`, turned_parts are
-  // to be turned before a patch is painted: by then the pixels are there. `may_reshape`: patches may be
-  // sheared and frames turned.
+  // Makes what patches share of the candidates, and asks for their pixels. Where
+  // parts_to_turn, turned_parts are to be turned before a patch is painted: by then the pixels are there.
+  // `may_reshape`: patches may be sheared and frames turned.
   void open(const Lattice& lattice, Interpolation interpolation, bool may_reshape);
+  bool parts_to_turn() const { return turned && !turned_kept; }
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
 

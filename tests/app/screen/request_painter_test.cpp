@@ -28,7 +28,7 @@ struct Easel {
   Serial serial;
   StopFlag overtaken{false};
   bool gives_up = false;  // once something is shown
-  RequestPainter painter{{serial, serial, overtaken}, std::size_t{64} << 20};
+  RequestPainter painter{{serial, serial, overtaken}, std::size_t{64} << 20, 0};
   std::vector<RenderResult> shown;
 };
 

@@ -9,6 +9,7 @@
 #include "app/workers.h"
 #include "core/manifold/manifold_band.h"
 #include "core/reslice/rolling_band.h"
+#include "core/reslice/turned_frames.h"
 #include "tests/bench/table/peer.h"
 #include "tests/support/speed_sweep.h"
 
@@ -30,14 +31,18 @@ struct Bench {
     }
   }
 
+  // As the cart has a sweep that is looked at: pictures are kept turned.
   void prepare() {
     prepared = PreparedSweep(sweep->view());
+    turned.extend(sweep->view(), ~std::size_t{0}, workers);
+    prepared.use_turned(&turned);
     prepared.prepare();
   }
 
   void load(int frames) {
     peer.reset();
     prepared = PreparedSweep();
+    turned.clear();
     test::SpeedSweepOptions sweep_options;
     sweep_options.frames = frames;
     sweep.reset();
@@ -55,6 +60,7 @@ struct Bench {
   Workers workers;
   int frame_count = 0;
   std::unique_ptr<test::TestSweep> sweep;
+  TurnedFrames turned;
   PreparedSweep prepared;
   VoxelArray array;
   std::unique_ptr<Peer> peer;
@@ -119,6 +125,39 @@ void add_planar(const Shared& bench, std::vector<Case>& cases) {
       }
     }
   }
+}
+
+// What pictures that are kept turned cost, and what they save.
+void add_turned(const Shared& bench, std::vector<Case>& cases) {
+  const auto planes = test::speed_planes();
+  const auto longitudinal =
+      std::find_if(planes.begin(), planes.end(), [](const auto& p) { return p.name == "longitudinal"; });
+  const RenderSettings settings = settings_of(Interpolation::nearest, Compounding::maximum, 14);
+  Case without = planar(bench, *longitudinal, settings, 200, 5);
+  without.name = "planar nearest max longitudinal none kept turned N=200";
+  without.peer = {};
+  const auto plain = std::make_shared<PreparedSweep>();
+  without.begin = [=] {
+    bench->use(200);
+    *plain = PreparedSweep(bench->sweep->view());
+    plain->prepare();
+  };
+  without.ours = [=, plane = longitudinal->plane] {
+    benchmark::DoNotOptimize(render_planar(*plain, plane, settings, bench->workers));
+  };
+  cases.push_back(without);
+  Case turning;
+  turning.name = "a picture turned to be kept";
+  turning.must_ms = 0.5;
+  turning.begin = [=] { bench->use(200); };
+  turning.own_ms = [=] {
+    TurnedFrames turned;
+    Serial serial;
+    return milliseconds(bench->options.clock, 1,
+                        [&] { turned.extend(bench->sweep->view(), ~std::size_t{0}, serial); }) /
+           bench->frame_count;
+  };
+  cases.push_back(turning);
 }
 
 // From the last frame to the first picture: theirs pastes while scanning, so only the last frame, the holes
@@ -295,6 +334,7 @@ Table speed_table(const TableOptions& options) {
   add_random_planes(bench, table.cases);
   add_manifold(bench, table.cases);
   add_doppler(bench, table.cases);
+  add_turned(bench, table.cases);
   add_planar(bench, table.cases);
   const VoxelArray empty = {Eigen::Vector3d::Zero(), 1, 2, 2, 2, std::vector<std::uint8_t>(8)};
   const auto peer = options.peers ? make_peer(empty, 1) : nullptr;
