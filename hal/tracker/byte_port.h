@@ -18,6 +18,7 @@ enum class PortState : std::uint8_t {
   loader,         // the device is there with its loader's product id: it waits for its firmware
   access_denied,  // the operating system refuses (udev rule missing)
   busy,           // another process holds it
+  stranger,       // a device of the vendor's, or one that says so, that is no tracker known here
   gone,           // was open, left the bus; counts as closed until open() is called again
 };
 

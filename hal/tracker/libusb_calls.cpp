@@ -127,17 +127,17 @@ class Libusb final : public UsbCalls {
     return error_of(result);
   }
 
-  std::uint8_t first_bulk(std::uint8_t direction) override {
+  std::vector<std::uint8_t> bulk_endpoints() override {
+    std::vector<std::uint8_t> found;
     libusb_config_descriptor* config = nullptr;
     if (handle_ == nullptr || libusb_get_active_config_descriptor(libusb_get_device(handle_), &config) != 0)
-      return 0;
-    std::uint8_t found = 0;
+      return found;
     if (config->bNumInterfaces > 0 && config->interface[0].num_altsetting > 0) {
       const libusb_interface_descriptor& about = config->interface[0].altsetting[0];
-      for (int i = 0; i < about.bNumEndpoints && found == 0; ++i) {
+      for (int i = 0; i < about.bNumEndpoints; ++i) {
         const libusb_endpoint_descriptor& e = about.endpoint[i];
-        const bool bulk = (e.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_BULK;
-        if (bulk && (e.bEndpointAddress & 0x80) == direction) found = e.bEndpointAddress;
+        if ((e.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_BULK)
+          found.push_back(e.bEndpointAddress);
       }
     }
     libusb_free_config_descriptor(config);

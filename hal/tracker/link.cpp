@@ -101,6 +101,10 @@ void Link::on_closed_port(const LinkInput& in) {
         state_ = LinkState::busy;
         reason_ = LinkReason::busy;
         break;
+      case PortState::stranger:
+        state_ = LinkState::stranger;
+        reason_ = LinkReason::stranger;
+        break;
       default:
         state_ = LinkState::absent;
         reason_ = LinkReason::no_device;

@@ -17,6 +17,8 @@ const char* operator_sentence(LinkReason reason) {
              "again.";
     case LinkReason::busy:
       return "Another program holds the tracker: close it.";
+    case LinkReason::stranger:
+      return "The Polhemus device on USB is no tracker known here: plug in a LIBERTY, PATRIOT or VIPER.";
     case LinkReason::no_quiet:
       return "The tracker does not stop sending: switch it off and on.";
     case LinkReason::no_answer:

@@ -52,6 +52,7 @@ enum class LinkState : std::uint8_t {
   loader,
   access_denied,
   busy,
+  stranger,
   quiescing,
   identifying,
   configuring,
@@ -72,6 +73,7 @@ enum class LinkReason : std::uint8_t {
   loader,
   access_denied,
   busy,
+  stranger,  // something else of the vendor's
   no_quiet,  // bytes keep coming after the stop command
   no_answer,
   refused,       // a setting was answered by an error

@@ -15,6 +15,7 @@ DeviceState device_state(const Link& link) {
     case LinkState::loader:
     case LinkState::access_denied:
     case LinkState::busy:
+    case LinkState::stranger:
     case LinkState::fault:
       return DeviceState::fault;
     case LinkState::streaming:

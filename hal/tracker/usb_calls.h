@@ -38,8 +38,8 @@ class UsbCalls {
   virtual std::vector<std::uint16_t> present(std::uint16_t vendor) = 0;
   // Opens the first of that product and claims its interface 0.
   virtual UsbError open(std::uint16_t vendor, std::uint16_t product) = 0;
-  // First bulk endpoint of the open device in (0x80) or out (0) direction; 0 if there is none.
-  virtual std::uint8_t first_bulk(std::uint8_t direction) = 0;
+  // Addresses of the bulk endpoints of the open device's interface 0, as its descriptor has them in order.
+  virtual std::vector<std::uint8_t> bulk_endpoints() = 0;
 
   // Queues a transfer without a time limit. `into` lives until the transfer is over.
   virtual UsbError submit(int slot, std::uint8_t endpoint, std::span<std::uint8_t> into) = 0;

@@ -44,6 +44,18 @@ const UsbProduct* find_product(std::uint16_t id) {
   return found == std::end(products) ? nullptr : found;
 }
 
+std::optional<UsbEndpoints> endpoints_of(const UsbProduct& product, std::span<const std::uint8_t> bulk) {
+  constexpr std::uint8_t inwards = 0x80;
+  const auto pick = [&](std::uint8_t known, std::uint8_t direction) {
+    const auto found = std::find_if(bulk.begin(), bulk.end(), [&](std::uint8_t e) {
+      return (e & inwards) == direction && (known == 0 || e == known);
+    });
+    return found == bulk.end() ? std::uint8_t{0} : *found;
+  };
+  const UsbEndpoints e{.out = pick(product.out, 0), .in = pick(product.in, inwards)};
+  return e.out != 0 && e.in != 0 ? std::optional(e) : std::nullopt;
+}
+
 UsbPort::~UsbPort() {
   UsbPort::close(Closing::release);
 }
@@ -54,9 +66,12 @@ PortState UsbPort::open() {
   PortState best = PortState::absent;
   for (const std::uint16_t id : calls_->present(polhemus_vendor)) {
     const UsbProduct* product = find_product(id);
-    if (product == nullptr) continue;
+    if (product == nullptr) {
+      if (best == PortState::absent) best = PortState::stranger;
+      continue;
+    }
     if (product->loader) {
-      if (best == PortState::absent) best = PortState::loader;
+      if (best == PortState::absent || best == PortState::stranger) best = PortState::loader;
       continue;
     }
     switch (calls_->open(polhemus_vendor, id)) {
@@ -71,12 +86,12 @@ PortState UsbPort::open() {
       default:
         continue;
     }
-    out_ = product->out != 0 ? product->out : calls_->first_bulk(0x00);
-    in_ = product->in != 0 ? product->in : calls_->first_bulk(0x80);
     product_ = product;
     halted_ = gone_ = false;
-    if (out_ != 0 && in_ != 0 && queue_all()) return PortState::open;
-    // The product id of a tracker on something that is none.
+    const auto endpoints = endpoints_of(*product, calls_->bulk_endpoints());
+    endpoints_ = endpoints.value_or(UsbEndpoints{});
+    if (endpoints && queue_all()) return PortState::open;
+    if (!endpoints && best == PortState::absent) best = PortState::stranger;
     close(Closing::release);
   }
   return best;
@@ -84,7 +99,7 @@ PortState UsbPort::open() {
 
 bool UsbPort::queue_all() {
   for (std::size_t i = 0; i < queued; ++i)
-    if (calls_->submit(static_cast<int>(i), in_, buffers_[i]) != UsbError::none) return false;
+    if (calls_->submit(static_cast<int>(i), endpoints_.in, buffers_[i]) != UsbError::none) return false;
   return true;
 }
 
@@ -92,7 +107,7 @@ Transfer UsbPort::write(std::span<const std::uint8_t> bytes) {
   assert(product_ != nullptr);
   if (gone_) return {TransferStatus::gone, 0};
   std::size_t count = 0;
-  const UsbError error = calls_->write(out_, bytes, write_patience, count);
+  const UsbError error = calls_->write(endpoints_.out, bytes, write_patience, count);
   gone_ = error == UsbError::no_device;
   halted_ = halted_ || error == UsbError::pipe;
   return {status_of(error), count};
@@ -113,7 +128,7 @@ Transfer UsbPort::read(std::span<std::uint8_t> into, Duration timeout) {
   } else if (done.error == UsbError::pipe) {
     halted_ = true;  // the others fail as well; clear_halt queues all anew
   } else if (!halted_) {
-    const UsbError again = calls_->submit(done.slot, in_, buffer);
+    const UsbError again = calls_->submit(done.slot, endpoints_.in, buffer);
     gone_ = again == UsbError::no_device;
     if (again != UsbError::none && status == TransferStatus::ok) status = status_of(again);
   }
@@ -123,8 +138,8 @@ Transfer UsbPort::read(std::span<std::uint8_t> into, Duration timeout) {
 void UsbPort::clear_halt() {
   if (product_ == nullptr || gone_) return;
   calls_->cancel_all();
-  calls_->clear_halt(in_);
-  calls_->clear_halt(out_);
+  calls_->clear_halt(endpoints_.in);
+  calls_->clear_halt(endpoints_.out);
   halted_ = false;
   // What cannot be queued shows at the next read, as silence that the link's watchdog hears.
   gone_ = !queue_all() && calls_->present(polhemus_vendor).empty();

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "hal/tracker/byte_port.h"
 #include "hal/tracker/usb_calls.h"
@@ -24,6 +26,14 @@ struct UsbProduct {
   std::uint8_t in = 0;
 };
 const UsbProduct* find_product(std::uint16_t id);  // null for one that is no tracker known here
+
+// The two of `bulk` (addresses as the device has them) that this product is talked to by. Empty where it has
+// them not: then it is not what its id says.
+struct UsbEndpoints {
+  std::uint8_t out = 0;
+  std::uint8_t in = 0;
+};
+std::optional<UsbEndpoints> endpoints_of(const UsbProduct& product, std::span<const std::uint8_t> bulk);
 
 class UsbPort final : public BytePort {
  public:
@@ -48,8 +58,7 @@ class UsbPort final : public BytePort {
 
   std::unique_ptr<UsbCalls> calls_;
   const UsbProduct* product_ = nullptr;  // of the open port
-  std::uint8_t out_ = 0;
-  std::uint8_t in_ = 0;
+  UsbEndpoints endpoints_;
   bool halted_ = false;
   bool gone_ = false;
   std::array<std::array<std::uint8_t, transfer_bytes>, queued> buffers_{};

@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     in.recording = (choice & 0x80) != 0;
     // Mostly what a healthy port does.
     if (out.action == LinkOutput::PortAction::open)
-      port = (choice & 0x70) == 0x70 ? static_cast<PortState>(1 + wanted % 4) : PortState::open;
+      port = (choice & 0x70) == 0x70 ? static_cast<PortState>(1 + wanted % 5) : PortState::open;
     if (out.action == LinkOutput::PortAction::reset || out.action == LinkOutput::PortAction::release)
       port = PortState::absent;
     if (port == PortState::open && (choice & 0x0f) >= 0x0c) {

@@ -143,6 +143,34 @@ TEST(Link, ARefusalWithARecordInsideIsNoReading) {
   EXPECT_TRUE(c.readings.empty());
 }
 
+TEST(Link, EveryWayThePortIsNotOpenIsNamedAndTriedAgainEachSecond) {
+  struct Case {
+    PortState port;
+    LinkReason reason;
+  };
+  constexpr Stamp start{std::chrono::seconds(1000)};
+  for (const Case c : {Case{PortState::absent, LinkReason::no_device},
+                       {PortState::loader, LinkReason::loader},
+                       {PortState::access_denied, LinkReason::access_denied},
+                       {PortState::busy, LinkReason::busy},
+                       {PortState::stranger, LinkReason::stranger}}) {
+    Link link{LinkConfig{}};
+    int opens = 0;
+    PortState port = PortState::absent;  // as nobody has looked yet
+    Stamp now = start;
+    while (now < start + from_seconds(3.5)) {
+      const LinkOutput out = link.turn({.now = now, .port = port});
+      if (out.action == LinkOutput::PortAction::open) ++opens, port = c.port;
+      now = std::max(now + Duration(1), out.wake);
+    }
+    EXPECT_EQ(link.reason(), c.reason);
+    EXPECT_EQ(opens, 4);
+    link.turn({.now = now, .port = PortState::open});
+    EXPECT_EQ(link.state(), LinkState::quiescing);
+    EXPECT_EQ(link.reason(), LinkReason::none);
+  }
+}
+
 TEST(Link, AskedToLeaveItStopsTheStreamAndCloses) {
   Conversation c(test::ascii("LY"));
   c.run(1.05);
