@@ -111,7 +111,7 @@ VideoStatus V4l2Device::take_timings() {
   if (asked == -ENOTTY || asked == -ENODATA || asked == -EINVAL) return VideoStatus::ok;
   if (asked < 0) return status_of(asked);
   // Lines of one field each would be paired as whole pictures.
-  if (timings.bt.interlaced != V4L2_DV_PROGRESSIVE) return VideoStatus::out_of_range;
+  if (timings.bt.interlaced != V4L2_DV_PROGRESSIVE) return VideoStatus::interlaced;
   const int taken = call(VIDIOC_S_DV_TIMINGS, &timings);
   return taken < 0 ? status_of(taken) : VideoStatus::ok;
 }
@@ -140,6 +140,8 @@ VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
   const v4l2_pix_format& got = wanted.fmt.pix;
   if (got.pixelformat != asked || got.width > largest_side_px || got.height > largest_side_px)
     return VideoStatus::out_of_range;
+  // Of an interlaced picture every second row was taken 17 to 20 ms later: what moves is torn.
+  if (got.field != V4L2_FIELD_NONE && got.field != V4L2_FIELD_ANY) return VideoStatus::interlaced;
   mode.width = static_cast<int>(got.width);
   mode.height = static_cast<int>(got.height);
   mode.stride_bytes = static_cast<std::ptrdiff_t>(got.bytesperline);
@@ -148,7 +150,10 @@ VideoStatus V4l2Device::negotiate(VideoMode& mode, double rate_hz) {
   v4l2_streamparm rate{};
   rate.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   rate.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(1000 * rate_hz))};
-  call(VIDIOC_S_PARM, &rate);  // many grabbers follow their input whatever is asked
+  // Many grabbers follow their input whatever is asked, and do not say.
+  const v4l2_fract& period = rate.parm.capture.timeperframe;
+  const bool says = call(VIDIOC_S_PARM, &rate) == 0 && period.numerator > 0;
+  mode.rate_hz = says ? static_cast<double>(period.denominator) / period.numerator : 0;
   return VideoStatus::ok;
 }
 

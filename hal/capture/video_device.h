@@ -24,6 +24,7 @@ enum class VideoStatus : std::uint8_t {
   no_signal,      // an HDMI bridge without a cable or a source
   no_lock,        // a signal it cannot lock to
   out_of_range,   // a signal of a size or rate it cannot take
+  interlaced,     // lines of two moments in one picture
   no_colour,      // Doppler is wanted, and no format that it offers gives its colours
   changed,        // the source changed its size: stop, negotiate, start
   failed,         // any other error of the kernel's
@@ -36,6 +37,7 @@ struct VideoMode {
   int height = 0;
   std::ptrdiff_t stride_bytes = 0;
   std::size_t bytes = 0;  // of a buffer
+  double rate_hz = 0;     // pictures a second; 0 where the device does not say
 };
 
 struct VideoBuffer {

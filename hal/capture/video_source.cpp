@@ -1,8 +1,9 @@
 #include "hal/capture/video_source.h"
 
 #include <algorithm>
-#include <span>
+#include <utility>
 
+#include "hal/capture/agreement.h"
 #include "hal/capture/luma.h"
 
 namespace sonoband {
@@ -29,6 +30,10 @@ const char* sentence(VideoStatus status) {
       return "The grabber cannot lock to the scanner's signal: use a shorter video cable.";
     case VideoStatus::out_of_range:
       return "The grabber cannot take the scanner's video mode: choose another one on the scanner.";
+    case VideoStatus::interlaced:
+      return "The scanner's video is interlaced, which tears what moves: choose a progressive mode (p, not "
+             "i) on "
+             "the scanner.";
     case VideoStatus::no_colour:
       return "The grabber gives no colour that Doppler can be taken from: use one with YUYV, UYVY, RGB or "
              "motion JPEG, or set capture.colour to grey.";
@@ -52,14 +57,14 @@ DeviceState state_for(VideoStatus status) {
   }
 }
 
-// Best first: what costs least and spoils nothing.
-constexpr PixelFormat for_grey[] = {PixelFormat::grey8, PixelFormat::nv12,  PixelFormat::yuyv,
-                                    PixelFormat::uyvy,  PixelFormat::rgb24, PixelFormat::mjpeg};
-constexpr PixelFormat for_colour[] = {PixelFormat::rgb24, PixelFormat::yuyv, PixelFormat::uyvy,
-                                      PixelFormat::mjpeg};
-
-std::span<const PixelFormat> preference(bool colour) {
-  return colour ? std::span<const PixelFormat>(for_colour) : std::span<const PixelFormat>(for_grey);
+// What is wrong with pictures that do come.
+const char* complaint(const VideoMode& mode, bool slow) {
+  if (mode.format == PixelFormat::mjpeg)
+    return "The grabber compresses its pictures (motion JPEG), which blurs edges: use one that does not.";
+  if (slow)
+    return "The grabber gives fewer pictures a second than capture.rate-hz: plug it into a USB 3 port, or "
+           "correct that.";
+  return "";
 }
 
 }  // namespace
@@ -100,27 +105,18 @@ void VideoSource::close() {
 
 VideoStatus VideoSource::bring_up() {
   if (const VideoStatus opened = device_.open(); opened != VideoStatus::ok) return opened;
-  const std::vector<PixelFormat> offered = device_.formats();
-  VideoStatus status = settings_.colour && !offered.empty() ? VideoStatus::no_colour : VideoStatus::not_video;
-  for (const PixelFormat format : preference(settings_.colour)) {
-    if (std::find(offered.begin(), offered.end(), format) == offered.end()) continue;
-    VideoMode mode{.format = format, .width = settings_.width, .height = settings_.height};
-    status = device_.negotiate(mode, settings_.rate_hz);
-    if (status != VideoStatus::ok) return status;
-    // The calibration holds for one size of picture.
-    if (mode.format != format || mode.width != settings_.width || mode.height != settings_.height) {
-      status = VideoStatus::out_of_range;
-      continue;
-    }
-    status = device_.start();
-    if (status != VideoStatus::ok) return status;
-    mode_ = mode;
-    state_ = State::streaming;
-    last_frame_ = clock_.now();
-    last_sequence_.reset();
-    return VideoStatus::ok;
-  }
-  return status;
+  const Agreement agreed = agree(device_, {.width = settings_.width,
+                                           .height = settings_.height,
+                                           .rate_hz = settings_.rate_hz,
+                                           .colour = settings_.colour});
+  if (agreed.status != VideoStatus::ok) return agreed.status;
+  if (const VideoStatus started = device_.start(); started != VideoStatus::ok) return started;
+  mode_ = agreed.mode;
+  complaint_ = complaint(agreed.mode, agreed.slow);
+  state_ = State::streaming;
+  last_frame_ = clock_.now();
+  last_sequence_.reset();
+  return VideoStatus::ok;
 }
 
 void VideoSource::trouble(VideoStatus why) {
@@ -128,8 +124,10 @@ void VideoSource::trouble(VideoStatus why) {
     health_.recoveries.fetch_add(1, std::memory_order_relaxed);
   close();
   health_.say(state_for(why), sentence(why));
-  // A changed source is asked at once, everything else is looked for once a second.
-  next_open_ = clock_.now() + (why == VideoStatus::changed ? Duration(0) : look_again);
+  // A changed source is asked at once, everything else is looked for once a second; so is one that says
+  // "changed" again and again without a picture between, as with a loose cable.
+  const bool at_once = why == VideoStatus::changed && std::exchange(picture_since_change_, false);
+  next_open_ = clock_.now() + (at_once ? Duration(0) : look_again);
 }
 
 // Of a grabber that does not count its frames the stamps alone tell two from one shown twice. Frames come a
@@ -218,14 +216,10 @@ ReadStatus VideoSource::read(Frame& out, Duration timeout) {
         last_frame_ = clock_.now();
         silent_restarts_ = 0;
         ever_streamed_ = true;
+        picture_since_change_ = true;
         held_ = buffer.index;
         health_.delivered.fetch_add(1, std::memory_order_relaxed);
-        if (mode_->format == PixelFormat::mjpeg)
-          health_.say(
-              DeviceState::degraded,
-              "The grabber compresses its pictures (motion JPEG), which blurs edges: use one that does not.");
-        else
-          health_.say(DeviceState::running, "");
+        health_.say(*complaint_ == 0 ? DeviceState::running : DeviceState::degraded, complaint_);
         return ReadStatus::ok;
       }
       if (device_.give_back(buffer.index) != VideoStatus::ok) trouble(VideoStatus::failed);

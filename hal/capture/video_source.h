@@ -60,6 +60,8 @@ class VideoSource final : public FrameSource {
   bool started_ = false;
   bool ever_streamed_ = false;
   std::optional<VideoMode> mode_;
+  const char* complaint_ = "";        // about that mode
+  bool picture_since_change_ = true;  // since the source last changed
   JpegLuma jpeg_;
   Pixels decoded_;                         // of motion JPEG: luma
   std::vector<std::uint8_t> decoded_rgb_;  // or colour

@@ -24,6 +24,7 @@ class FakeVideo final : public VideoDevice {
 
   VideoStatus open() override {
     ++opens;
+    is_open = opening == VideoStatus::ok;
     return opening;
   }
   std::string name() const override { return "made up"; }
@@ -31,6 +32,7 @@ class FakeVideo final : public VideoDevice {
   VideoStatus negotiate(VideoMode& mode, double /*rate_hz*/) override {
     mode.width = actual_width;
     mode.stride_bytes = (mode.format == PixelFormat::yuyv ? 2 : 1) * mode.width;
+    mode.rate_hz = rate_hz;
     format = mode.format;
     return negotiating;
   }
@@ -42,9 +44,9 @@ class FakeVideo final : public VideoDevice {
   }
   VideoStatus take(VideoBuffer& out, Duration timeout) override {
     const Stamp until = clock_.now() + timeout;
-    if (trouble != VideoStatus::ok) {
+    if (trouble != VideoStatus::ok || keeps_changing) {
       clock_.sleep_until(clock_.now() + std::chrono::milliseconds(1));
-      return std::exchange(trouble, VideoStatus::ok);
+      return keeps_changing ? VideoStatus::changed : std::exchange(trouble, VideoStatus::ok);
     }
     while (next_ < silent_until) next_ += period;
     if (next_ > until) {
@@ -70,13 +72,15 @@ class FakeVideo final : public VideoDevice {
     return VideoStatus::ok;
   }
   void stop() override {}
-  void close() override {}
+  void close() override { is_open = false; }
 
   VideoStatus opening = VideoStatus::ok;
   VideoStatus negotiating = VideoStatus::ok;
   VideoStatus trouble = VideoStatus::ok;  // of the next take
   std::vector<PixelFormat> offered;
+  bool keeps_changing = false;  // its source, without a picture between
   int actual_width = width;
+  double rate_hz = 0;
   int bytes_per_picture = 2 * width * height;
   std::vector<std::uint8_t> picture;
   std::vector<std::uint8_t> jpeg;
@@ -89,6 +93,7 @@ class FakeVideo final : public VideoDevice {
   int lent = 0;
   int opens = 0;
   int starts = 0;
+  bool is_open = false;
   PixelFormat format{};
 
  private:

@@ -64,6 +64,13 @@ class Bridge final : public KernelCalls {
         pix.height = 720;
         pix.bytesperline = 2 * pix.width;
         pix.sizeimage = 2 * 1280 * 720;
+        EXPECT_EQ(pix.field, V4L2_FIELD_NONE) << "a driver that can give whole pictures is asked for them";
+        pix.field = field;
+        return 0;
+      }
+      case VIDIOC_S_PARM: {
+        auto& asked = static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe;
+        if (period.denominator > 0) asked = period;
         return 0;
       }
       case VIDIOC_REQBUFS: {
@@ -110,6 +117,8 @@ class Bridge final : public KernelCalls {
   std::vector<std::uint8_t> edid;
   bool interlaced = false;
   bool events = false;
+  std::uint32_t field = V4L2_FIELD_NONE;
+  v4l2_fract period{};  // of what it grabs; 0: as asked
   std::uint32_t taken_width = 0;
   std::uint32_t answered_width = 0;
   std::uint32_t offered = 2;
@@ -183,10 +192,32 @@ TEST(V4l2Device, WhatIsWrongWithTheSignalIsToldApart) {
   }
   Rig rig;
   rig.bridge.interlaced = true;
-  EXPECT_EQ(rig.negotiate(), VideoStatus::out_of_range);
+  EXPECT_EQ(rig.negotiate(), VideoStatus::interlaced);
+  for (const v4l2_field field : {V4L2_FIELD_INTERLACED, V4L2_FIELD_ALTERNATE, V4L2_FIELD_TOP}) {
+    Rig composite;  // a grabber of S-Video, without timings
+    composite.bridge.refused[VIDIOC_QUERY_DV_TIMINGS] = -ENOTTY;
+    composite.bridge.answered_width = 720;
+    composite.bridge.field = field;
+    EXPECT_EQ(composite.negotiate(), VideoStatus::interlaced);
+  }
   Rig busy;
   busy.bridge.refused[VIDIOC_S_DV_TIMINGS] = -EBUSY;
   EXPECT_EQ(busy.negotiate(), VideoStatus::busy);
+}
+
+TEST(V4l2Device, SaysTheRateThatItsGrabberGives) {
+  Rig rig;
+  ASSERT_EQ(rig.negotiate(), VideoStatus::ok);
+  EXPECT_EQ(rig.mode.rate_hz, 60);
+  rig.bridge.period = {1001, 5000};
+  ASSERT_EQ(rig.negotiate(), VideoStatus::ok);
+  EXPECT_NEAR(rig.mode.rate_hz, 4.995, 1e-3);
+  rig.bridge.period = {0, 1};
+  ASSERT_EQ(rig.negotiate(), VideoStatus::ok);
+  EXPECT_EQ(rig.mode.rate_hz, 0) << "no rate at all";
+  rig.bridge.refused[VIDIOC_S_PARM] = -ENOTTY;
+  ASSERT_EQ(rig.negotiate(), VideoStatus::ok);
+  EXPECT_EQ(rig.mode.rate_hz, 0) << "it does not say";
 }
 
 TEST(V4l2Device, AChangeOfSourceIsSaidBeforeItsPictures) {

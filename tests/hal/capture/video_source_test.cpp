@@ -154,6 +154,34 @@ TEST(VideoSource, AChangedSourceIsAskedAgainAndAnotherSizeIsRefused) {
   EXPECT_EQ(rig.health().state, DeviceState::running);
 }
 
+// A thread of real-time priority that never sleeps is killed by the unit's LimitRTTIME, and the cart with it.
+TEST(VideoSource, ASourceThatKeepsChangingIsAskedOnceASecond) {
+  Rig rig;
+  rig.run_to(1);
+  rig.device.keeps_changing = true;
+  const int before = rig.device.opens;
+  rig.run_to(6);
+  EXPECT_LE(rig.device.opens - before, 7);
+  EXPECT_EQ(rig.health().state, DeviceState::stalled);
+  EXPECT_STREQ(rig.health().reason, "The scanner changed its video mode; asking again what it sends.");
+  rig.device.keeps_changing = false;
+  rig.run_to(8);
+  EXPECT_EQ(rig.health().state, DeviceState::running);
+}
+
+TEST(VideoSource, ARateTooLowIsComplainedAbout) {
+  Rig rig;
+  rig.device.rate_hz = 5;
+  rig.device.offered = {PixelFormat::yuyv};
+  rig.run_to(1);
+  EXPECT_FALSE(rig.frames.empty()) << "better than none";
+  EXPECT_EQ(rig.health().state, DeviceState::degraded);
+  EXPECT_STREQ(
+      rig.health().reason,
+      "The grabber gives fewer pictures a second than capture.rate-hz: plug it into a USB 3 port, or "
+      "correct that.");
+}
+
 TEST(VideoSource, UnpluggedAndBack) {
   Rig rig;
   rig.run_to(1);
@@ -181,7 +209,8 @@ TEST(VideoSource, EveryReasonItCannotOpenIsSaidAndLookedForOnceASecond) {
     rig.run_to(7);
     EXPECT_EQ(rig.health().state, DeviceState::running);
   }
-  for (const VideoStatus why : {VideoStatus::no_signal, VideoStatus::no_lock, VideoStatus::out_of_range}) {
+  for (const VideoStatus why :
+       {VideoStatus::no_signal, VideoStatus::no_lock, VideoStatus::out_of_range, VideoStatus::interlaced}) {
     Rig rig;
     rig.device.negotiating = why;
     rig.run_to(1.5);
