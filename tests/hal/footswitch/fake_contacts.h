@@ -25,6 +25,7 @@ struct Wires {
   bool dead = false;
   std::int64_t stamp_shift_ns = 0;
   int opens = 0;
+  bool is_open = false;
   std::vector<ContactRequest> asked;
 };
 
@@ -34,6 +35,7 @@ class FakeContacts final : public ContactSource {
   ContactStatus open(std::span<const ContactRequest> contacts) override {
     ++wires_.opens;
     wires_.asked.assign(contacts.begin(), contacts.end());
+    wires_.is_open = wires_.opening == ContactStatus::ok;
     return wires_.opening;
   }
   ContactStatus wait(ContactEdge& out, Duration timeout) override {
@@ -54,7 +56,7 @@ class FakeContacts final : public ContactSource {
     if (wires_.dead) return std::nullopt;
     return wires_.levels[static_cast<std::size_t>(contact)];
   }
-  void close() override {}
+  void close() override { wires_.is_open = false; }
 
  private:
   Wires& wires_;
