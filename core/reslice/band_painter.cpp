@@ -309,13 +309,15 @@ std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox&
 }
 
 // False where no frame reaches the tile.
-bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b) {
-  if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b)) return false;
+bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b,
+                            const TileSize& size) {
+  if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b, size)) return false;
   if (tile.is_chain && thinning_.pixel.mm > 0) {
     tile.thin(interpolation(), thinning_.pixel, left_out_);
   } else if (!tile.is_chain && thinning_.rest != nullptr) {
     const std::size_t all = tile.candidates.size();
-    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b)) return false;
+    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b, size))
+      return false;
     left_out_.add(all, tile.candidates.size());
   }
   // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces; for the few
@@ -331,24 +333,25 @@ BandPainter::Reach BandPainter::reach_of(const SampleBox& box) const {
   return reach;
 }
 
-void BandPainter::paint_strips(const Lattice& lattice, const std::vector<Strip>& strips) {
+void BandPainter::paint_strips(const Lattice& lattice, const std::vector<Strip>& strips,
+                               const TileSize& size) {
   struct Place {
     const Strip* strip;
     int a, width;
   };
   std::vector<Place> places;
   for (const Strip& strip : strips) {
-    for (int a = 0; a < strip.width; a += tile_pixels)
-      places.push_back({&strip, strip.a + a, std::min(tile_pixels, strip.width - a)});
+    for (int a = 0; a < strip.width; a += size.across)
+      places.push_back({&strip, strip.a + a, std::min(size.across, strip.width - a)});
   }
-  const auto height = [&](const Strip& strip) { return std::min(tile_pixels, lattice.rows - strip.b); };
+  const auto height = [&](const Strip& strip) { return std::min(size.down, lattice.rows - strip.b); };
   Reach reach;
   const auto open = [&](Tile& tile, std::size_t i) {
     if (i == places.size()) return false;
     const Strip& strip = *places[i].strip;
     if (places[i].a == strip.a)
       reach = reach_of(box_of({strip.a, strip.b, 0, strip.width, height(strip), lattice.layers}));
-    return !reach.frames.empty() && open_tile(tile, lattice, reach, places[i].a, strip.b);
+    return !reach.frames.empty() && open_tile(tile, lattice, reach, places[i].a, strip.b, size);
   };
   bool opened = open(tile_, 0);
   for (std::size_t i = 0; i < places.size(); ++i) {

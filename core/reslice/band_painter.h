@@ -46,7 +46,7 @@ class BandPainter {
     int a = 0, b = 0, width = 0;
   };
   // A tile's pixels are asked for while the one before is painted, across strips too.
-  void paint_strips(const Lattice& lattice, const std::vector<Strip>& strips);
+  void paint_strips(const Lattice& lattice, const std::vector<Strip>& strips, const TileSize& size);
 
   const LeftOut& left_out() const { return left_out_; }
   bool turned_parts() const { return turned_parts_; }
@@ -80,7 +80,7 @@ class BandPainter {
     std::vector<int> frames, rest;
   };
   Reach reach_of(const SampleBox& box) const;
-  bool open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b);
+  bool open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b, const TileSize& size);
   void paint_tile(const Lattice& lattice);
   void paint_region(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);
   void paint_parts(const Lattice& lattice, const LatticeBlock& region, const std::vector<int>& frames);

@@ -11,8 +11,9 @@
 namespace sonoband {
 namespace {
 
-constexpr int strip_pixels = 4 * tile_pixels;  // painted by one thread in turn
-constexpr int layer_strip_pixels = 2 * tile_pixels;
+constexpr int strip_tiles = 4;  // painted by one thread in turn
+constexpr TileSize layer_tile;
+constexpr int layer_strip_pixels = 2 * layer_tile.across;
 
 // Where line (row, layer) of a plane starts.
 Point<frame::World> line_start(const ReslicePlane& plane, const Band& band, int row, int layer) {
@@ -110,8 +111,10 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
     thinning.rest = &rest;
   }
   const Lattice own = in_own_coordinates(lattice);
+  const TileSize size = tile_size(seen, lattice.layers, settings.interpolation);
+  const int strip_pixels = strip_tiles * size.across;
   const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
-  const int down = (lattice.rows + tile_pixels - 1) / tile_pixels;
+  const int down = (lattice.rows + size.down - 1) / size.down;
   struct Counts {
     LeftOut left_out;
     bool turned_parts = false;
@@ -120,8 +123,8 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
   parallel.for_each(across * down, [&](int strip) {
     BandPainter painter(seen, settings, image, stop, thinning);
     const int a = strip % across * strip_pixels;
-    painter.paint_strips(own,
-                         {{a, strip / across * tile_pixels, std::min(strip_pixels, lattice.samples - a)}});
+    painter.paint_strips(own, {{a, strip / across * size.down, std::min(strip_pixels, lattice.samples - a)}},
+                         size);
     of_strips[strip] = {painter.left_out(), painter.turned_parts()};
   });
   LeftOut sum;
@@ -178,7 +181,7 @@ LayerStrips::LayerStrips(const FrameTable& table, const Lattice& lattice, const 
 int LayerStrips::count(const FrameTable& table, const Lattice& lattice) {
   if (!patches_hold_all(table, lattice)) return 1;
   const int across = (lattice.samples + layer_strip_pixels - 1) / layer_strip_pixels;
-  return across * ((lattice.rows + tile_pixels - 1) / tile_pixels);
+  return across * ((lattice.rows + layer_tile.down - 1) / layer_tile.down);
 }
 
 void LayerStrips::paint(int first, int count, LayerBlock& layers) const {
@@ -190,9 +193,10 @@ void LayerStrips::paint(int first, int count, LayerBlock& layers) const {
   std::vector<BandPainter::Strip> strips;
   for (int strip = first; strip < first + count; ++strip) {
     const int a = strip % across * layer_strip_pixels;
-    strips.push_back({a, strip / across * tile_pixels, std::min(layer_strip_pixels, lattice_.samples - a)});
+    strips.push_back(
+        {a, strip / across * layer_tile.down, std::min(layer_strip_pixels, lattice_.samples - a)});
   }
-  BandPainter(seen_, settings_, layers).paint_strips(in_own_coordinates(lattice_), strips);
+  BandPainter(seen_, settings_, layers).paint_strips(in_own_coordinates(lattice_), strips, layer_tile);
 }
 
 BandImage paint(const FrameTable& table, const LineBundle& bundle, const RenderSettings& settings,

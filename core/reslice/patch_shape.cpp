@@ -36,7 +36,7 @@ struct ShapeSpan {
         rows(std::abs(steps.y_per_sample) * width + std::abs(steps.y_per_row) * height),
         mm(std::abs(steps.z_per_sample) * width + std::abs(steps.z_per_row) * height),
         waste(1) {}
-  ShapeSpan(LaneShape shape, const TileSteps& steps) {
+  ShapeSpan(LaneShape shape, const LatticeBlock& tile, const TileSteps& steps) {
     const double w = shape.across - 1, h = shape.down() - 1;
     const auto span = [&](double per_sample, double per_row) {
       if (shape.rows_per_sample != 0) {
@@ -50,9 +50,11 @@ struct ShapeSpan {
     columns = span(steps.x_per_sample, steps.x_per_row);
     rows = span(steps.y_per_sample, steps.y_per_row);
     mm = span(steps.z_per_sample, steps.z_per_row);
-    const auto more = [](double shift, int side) { return std::ceil(shift / side) * side / tile_pixels; };
-    waste = 1 + more(std::abs(shape.rows_per_sample) * w, shape.down()) +
-            more(std::abs(shape.samples_per_row) * h, shape.across);
+    const auto more = [](double shift, int side, int of) { return std::ceil(shift / side) * side / of; };
+    const auto whole = [](int of, int side) { return std::ceil(of / static_cast<double>(side)) * side / of; };
+    waste = whole(tile.width, shape.across) * whole(tile.height, shape.down()) +
+            more(std::abs(shape.rows_per_sample) * w, shape.down(), tile.height) +
+            more(std::abs(shape.samples_per_row) * h, shape.across, tile.width);
   }
 };
 
@@ -126,13 +128,13 @@ PatchChoice choose_patches(const Tile& tile, const Lattice& lattice, Interpolati
     if (edges.ends) part += part_at_edge(span.rows, whole.rows, yl * block.depth);
     return std::min(part, 1.0);
   };
-  const int patches = tile_pixels * tile_pixels / patch_lanes;
+  const double patches = std::max(1.0, static_cast<double>(block.width) * block.height / patch_lanes);
   const double turning = costs.turned_pixel * may.turned_pixels / (patches * block.depth);
   const double edge = tile.is_chain ? chain_edge : costs.edge;
   PatchChoice best;
   double least = 1e30;
   const auto consider = [&](const LaneShape& tried, bool turned) {
-    ShapeSpan span(tried, steps);
+    ShapeSpan span(tried, block, steps);
     const double along = turned ? yl : xl, across = turned ? xl : yl;
     if (turned) std::swap(span.columns, span.rows);
     double cost = costs.single;

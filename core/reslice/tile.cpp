@@ -30,6 +30,21 @@ FixedPx fixed(double px) {
 
 }  // namespace
 
+TileSize tile_size(const FrameTable& seen, int layers, Interpolation interpolation) {
+  if (interpolation == Interpolation::linear) return {};
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();
+  for (const FrameEntry& f : seen.frames) change += f.z_mm.gradient.cwiseAbs();
+  // By how much distances vary in a tile, hence how many frames it has.
+  const auto range = [&](const TileSize& size) {
+    return change.dot(Eigen::Vector3d(size.across, size.down, layers));
+  };
+  // Longer tiles have more edges for what they spare.
+  constexpr double little = 0.6;
+  const TileSize square, wide{128, 32}, tall{32, 128};
+  const TileSize& longer = range(wide) < range(tall) ? wide : tall;
+  return range(longer) < little * range(square) ? longer : square;
+}
+
 LaneMask existing_lanes(LaneShape shape, int width, int height) {
   if (width >= shape.across && height >= shape.down()) return ~LaneMask{0};
   LaneMask lanes = 0;
@@ -119,13 +134,13 @@ void Tile::keep_chain_only() {
 }
 
 bool Tile::find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-                Interpolation interpolation, bool may_end, int a, int b) {
+                Interpolation interpolation, bool may_end, int a, int b, const TileSize& size) {
   table = &frame_table;
   block = {a,
            b,
            0,
-           std::min(tile_pixels, lattice.samples - a),
-           std::min(tile_pixels, lattice.rows - b),
+           std::min(size.across, lattice.samples - a),
+           std::min(size.down, lattice.rows - b),
            lattice.layers};
   box = box_of(block);
   cull(frame_table, near, box, interpolation, candidates);

@@ -10,7 +10,14 @@
 
 namespace sonoband {
 
-constexpr int tile_pixels = 64;  // a tile's width and height: every patch shape divides it
+// In pixels; a power of two each, at least a patch's lanes together.
+struct TileSize {
+  int across = 64, down = 64;
+};
+// Of a band of so many layers seen from its lattice: longer where the frames' distances change little, so
+// that fewer frames matter to a tile and more of each one's pixel rows. For nearest; blends take their time
+// elsewhere.
+TileSize tile_size(const FrameTable& seen, int layers, Interpolation interpolation);
 
 // A candidate as the patches of a tile see it.
 struct TileFrame {
@@ -47,7 +54,7 @@ struct Tile {
   // pictures end counts. False where no frame reaches it. `near` are those of the table that may matter,
   // ascending.
   bool find(const FrameTable& frame_table, const Lattice& lattice, const std::vector<int>& near,
-            Interpolation interpolation, bool may_end, int a, int b);
+            Interpolation interpolation, bool may_end, int a, int b, const TileSize& size = {});
   // Thins a chain by the rule of chain.h.
   void thin(Interpolation interpolation, const OutputPixel& pixel, LeftOut& count);
   // Makes what patches share of the candidates, and asks for their pixels. Where

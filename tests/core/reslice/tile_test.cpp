@@ -1,6 +1,8 @@
 // Which patches a tile is cut into.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/reslice/paint.h"
 #include "core/reslice/tile.h"
 #include "tests/support/support.h"
@@ -37,6 +39,32 @@ TEST(Tile, PatchesStandAlongThePicturesEdges) {
     EXPECT_EQ(shape_at(64, interpolation).across, 64);
     EXPECT_LE(shape_at(0, interpolation).across, 32);
   }
+}
+
+// Frames along z, of pictures in x and y.
+TEST(Tile, IsLongWhereDistancesChangeLittle) {
+  test::TestSweep sweep;
+  for (int i = 0; i < 60; ++i) {
+    sweep.add(100, 100, test::image_pose(Eigen::Matrix3d::Identity(), {0, 0, 0.5 * i}, 0.2),
+              [](int x, int y, const Eigen::Vector3d&) { return static_cast<std::uint8_t>(x + y); });
+  }
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
+  const auto size = [&](const Eigen::Vector3d& right, const Eigen::Vector3d& down,
+                        Interpolation interpolation) {
+    const Lattice lattice = plane_lattice(*make_plane({2, 2, 2}, right, down, 100, 90, 0.2), {14, 0.2});
+    const FrameTable seen = seen_from(lattice, make_frame_table(sweep.view(), {}));
+    const TileSize s = tile_size(seen, lattice.layers, interpolation);
+    EXPECT_EQ(s.across * s.down, 64 * 64);
+    return s.across;
+  };
+  EXPECT_EQ(size(x, z, Interpolation::nearest), 128);
+  EXPECT_EQ(size(z, x, Interpolation::nearest), 32);
+  EXPECT_EQ(size(x, y, Interpolation::nearest), 64) << "all layers are along z";
+  EXPECT_EQ(size((y + z).normalized(), (y - z).normalized(), Interpolation::nearest), 64);
+  EXPECT_EQ(size(x, (y + std::sqrt(3) * z).normalized(), Interpolation::nearest), 64)
+      << "tilted by 30 degrees";
+  EXPECT_EQ(size(x, z, Interpolation::linear), 64);
 }
 
 }  // namespace

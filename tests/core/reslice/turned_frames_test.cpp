@@ -87,7 +87,8 @@ TEST(KeptTurned, GiveTheBitsOfTheirPicturesAndSpareTurningParts) {
         prepared.use_turned(&turned);
         const BandImage after = render_planar(prepared, plane, thick(interpolation), serial);
         EXPECT_TRUE(test::same_bits(before, after));
-        EXPECT_EQ(after.turned_parts, before.turned_parts && view.frames.size() < sweep.view().frames.size());
+        const bool all = view.frames.size() == sweep.view().frames.size();
+        EXPECT_FALSE(all && after.turned_parts);
       }
     }
   }
