@@ -47,6 +47,10 @@ class Link {
   const char* identity() const { return codec_->identity(); }
 
  private:
+  bool in_setup() const {
+    return state_ == LinkState::identifying || state_ == LinkState::configuring ||
+           state_ == LinkState::verifying;
+  }
   void on_closed_port(const LinkInput& in);
   void on_opened(const LinkInput& in);
   bool on_transfer_trouble(const LinkInput& in);
@@ -58,8 +62,9 @@ class Link {
 
   void begin_quiesce(Quiesce::Purpose purpose, Stamp now);
   void begin_start(int tries, Stamp now);
-  void close_to_reset(Duration pause, Stamp now);
+  void close_to_reset(Stamp now);
   void trouble(LinkReason why, const LinkInput& in);
+  LinkReason for_the_operator(LinkReason why, Stamp now) const;
   void send(const WireCommand& c);
 
   LinkConfig config_;
@@ -67,6 +72,7 @@ class Link {
   LinkReason reason_ = LinkReason::no_device;
   bool gave_up_ = false;  // until records come again
   bool leaving_ = false;
+  bool streamed_ = false;   // since the device came
   bool opened_ = false;     // the port was open in the last turn
   bool resetting_ = false;  // we closed it ourselves, to open it again
   Stamp reset_at_{};

@@ -19,6 +19,8 @@ const char* operator_sentence(LinkReason reason) {
       return "Another program holds the tracker: close it.";
     case LinkReason::stranger:
       return "The Polhemus device on USB is no tracker known here: plug in a LIBERTY, PATRIOT or VIPER.";
+    case LinkReason::waking:
+      return "The tracker does not answer yet: it tests itself for up to 15 seconds after it is switched on.";
     case LinkReason::no_quiet:
       return "The tracker does not stop sending: switch it off and on.";
     case LinkReason::no_answer:

@@ -74,6 +74,7 @@ enum class LinkReason : std::uint8_t {
   access_denied,
   busy,
   stranger,  // something else of the vendor's
+  waking,    // no answer, but it came less than 15 s ago
   no_quiet,  // bytes keep coming after the stop command
   no_answer,
   refused,       // a setting was answered by an error

@@ -22,7 +22,8 @@ DeviceState device_state(const Link& link) {
       if (link.reason() == LinkReason::none) return DeviceState::running;
       return link.reason() == LinkReason::source_fault ? DeviceState::fault : DeviceState::degraded;
     default:
-      return link.reason() == LinkReason::none ? DeviceState::starting : DeviceState::stalled;
+      return link.reason() == LinkReason::none || link.reason() == LinkReason::waking ? DeviceState::starting
+                                                                                      : DeviceState::stalled;
   }
 }
 

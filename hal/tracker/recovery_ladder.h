@@ -9,7 +9,8 @@
 // | give_up      | tell the operator; once more every 10 s, with `^Y` every 60 s        |             |
 //
 // `^Y` is never sent during a recording, nor to a unit that came less than 15 s ago: it may still be in the
-// self-test of its power-up, silent for up to 10 s.
+// self-test of its power-up, silent for up to 10 s. Nor before trouble has lasted for 5 s, unless the unit
+// itself asks for it: resets of USB take half a second each, and a bad contact may be over before a restart.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +27,11 @@ class RecoveryLadder {
   void restarted(Stamp now);  // `^Y` was sent: it is silent for a while
   void healthy(Stamp now);    // while records come
   Rung next(LinkReason trouble, Stamp now, bool recording);
+  bool young(Stamp now) const;  // it came so lately that silence may be its self-test
 
  private:
   Rung climbed_ = Rung::none;
+  Stamp began_{};  // the trouble that was first climbed for
   Stamp last_trouble_{};
   Stamp came_{};
   Stamp restarted_{};

@@ -176,17 +176,30 @@ TEST(RecoveryLadder, ClimbsWhileTroubleComesBackAndForgetsAfterTenGoodSeconds) {
   EXPECT_EQ(l.next(LinkReason::silent, at(100), false), Rung::restart);
   EXPECT_EQ(l.next(LinkReason::no_records, at(100.3), false), Rung::reconfigure);
   EXPECT_EQ(l.next(LinkReason::no_records, at(102), false), Rung::reset_port);
-  EXPECT_EQ(l.next(LinkReason::no_records, at(104), false), Rung::reinitialise);
-  l.restarted(at(104));
-  EXPECT_EQ(l.next(LinkReason::no_answer, at(116), false), Rung::reconfigure);  // still in its self-test
-  EXPECT_EQ(l.next(LinkReason::no_answer, at(120), false), Rung::give_up);
-  EXPECT_EQ(l.next(LinkReason::no_answer, at(132), false), Rung::give_up);
-  EXPECT_EQ(l.next(LinkReason::no_answer, at(165), false), Rung::reinitialise);
-  l.restarted(at(165));
-  l.healthy(at(170));
-  EXPECT_EQ(l.next(LinkReason::silent, at(174), false), Rung::give_up);
-  l.healthy(at(184.1));
-  EXPECT_EQ(l.next(LinkReason::silent, at(185), false), Rung::restart);
+  EXPECT_EQ(l.next(LinkReason::no_records, at(106), false), Rung::reinitialise);
+  l.restarted(at(106));
+  EXPECT_EQ(l.next(LinkReason::no_answer, at(118), false), Rung::reconfigure);  // still in its self-test
+  EXPECT_EQ(l.next(LinkReason::no_answer, at(122), false), Rung::give_up);
+  EXPECT_EQ(l.next(LinkReason::no_answer, at(134), false), Rung::give_up);
+  EXPECT_EQ(l.next(LinkReason::no_answer, at(167), false), Rung::reinitialise);
+  l.restarted(at(167));
+  l.healthy(at(172));
+  EXPECT_EQ(l.next(LinkReason::silent, at(176), false), Rung::give_up);
+  l.healthy(at(186.1));
+  EXPECT_EQ(l.next(LinkReason::silent, at(187), false), Rung::restart);
+}
+
+// A halt of two seconds went through every rung, up to a restart of the unit that takes ten.
+TEST(RecoveryLadder, WhatMayPassIsNotMetByARestartOfTheUnit) {
+  for (const LinkReason why : {LinkReason::stalled, LinkReason::io_error, LinkReason::no_records}) {
+    RecoveryLadder l;
+    l.came(at(0));
+    for (double t = 100; t < 104.9; t += 0.1) EXPECT_LE(l.next(why, at(t), false), Rung::reset_port);
+    EXPECT_EQ(l.next(why, at(105), false), Rung::reinitialise);
+  }
+  RecoveryLadder l;
+  l.came(at(0));
+  EXPECT_EQ(l.next(LinkReason::hardware, at(100), false), Rung::reinitialise) << "the unit asks for it";
 }
 
 TEST(RecoveryLadder, TheLastResortIsNotForRecordings) {

@@ -127,6 +127,9 @@ TEST(TrackerFaults, DeadUnitIsAFaultAndComesBackBySelf) {
 TEST(TrackerFaults, SelfTestAfterPowerUpIsWaitedFor) {
   Rig rig(with({{.at = at(0), .kind = FaultKind::deaf, .lasts = from_seconds(9)}}));
   rig.start();
+  rig.run(6);
+  EXPECT_EQ(rig.reason(), LinkReason::waking) << "nobody should switch it off now";
+  EXPECT_EQ(rig.state(), DeviceState::starting);
   expect_streams_after(rig, 13.5);
 }
 
