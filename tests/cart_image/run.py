@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Looks at the card of a Raspberry Pi cart, then boots its system on an emulated arm64 machine. run.py IMAGE
+"""Looks at the card of a Raspberry Pi cart, then boots its system on an emulated arm64 machine. run.py IMAGE NATIVE-TOOL
 The firmware and the Raspberry Pi itself are not emulated: kernel, initrd and root are the card's, the machine is QEMU's."""
 import json, os, re, shutil, subprocess, sys, time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '../virtual_board'))
 from board import Failure, Machine, require, wait_for
 
-image = sys.argv[1]
+image, tool = sys.argv[1:3]
 work = os.path.join(os.path.dirname(image), 'check')
 share = os.path.join(work, 'share')
 PATIENCE = 1800  # s, for a whole boot with X under emulation, on a machine that is busy otherwise
@@ -116,27 +116,39 @@ def command():
             '-display', 'none', '-serial', f'file:{p("console.log")}', '-no-reboot', '-nic', 'none', '-kernel', p('kernel'), '-initrd', p('initrd'),
             '-append', f'{" ".join(w for w in kernel_words() if not w.startswith("console="))} console=ttyAMA0 systemd.default_timeout_start_sec=900 systemd.run="/bin/sh -c \'{start}\'" systemd.run_success_action=poweroff systemd.run_failure_action=poweroff',
             '-drive', f'if=none,id=card,file={p("card.qcow2")},format=qcow2', '-device', 'virtio-blk-pci,drive=card',
-            '-fsdev', f'local,id=check,path={share},security_model=none', '-device', 'virtio-9p-pci,fsdev=check,mount_tag=check', '-device', 'qemu-xhci', '-device', 'usb-tablet',
-            '-device', 'virtio-gpu-pci,xres=1280,yres=800', '-qmp', f'unix:{p("qmp.sock")},server=on,wait=off']
+            '-drive', f'if=none,id=stick,file={p("stick.fat")},format=raw', '-device', 'qemu-xhci,id=xhci', '-device', 'usb-storage,drive=stick,removable=on',
+            '-fsdev', f'local,id=check,path={share},security_model=none', '-device', 'virtio-9p-pci,fsdev=check,mount_tag=check',
+            '-device', 'virtio-gpu-pci,xres=1280,yres=800', '-device', 'usb-tablet', '-device', 'usb-kbd', '-qmp', f'unix:{p("qmp.sock")},server=on,wait=off']
 
 
 class Boot:
     """The card in a machine; what its system says of itself."""
 
     def __init__(self):
-        for name in ('card.qcow2', 'qmp.sock'):
+        for name in ('card.qcow2', 'stick.fat', 'qmp.sock'):
             if os.path.exists(os.path.join(work, name)):
                 os.remove(os.path.join(work, name))
         # A card of four times the size; what is written to it goes elsewhere.
         grown = max(8 << 30, 2 * os.path.getsize(image))
         run('qemu-img', 'create', '-q', '-f', 'qcow2', '-b', os.path.abspath(image), '-F', 'raw', os.path.join(work, 'card.qcow2'), str(grown))
-        shutil.copy(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'guest-check'), share)
+        with open(os.path.join(work, 'stick.fat'), 'wb') as f:
+            f.truncate(64 << 20)
+        run('mkfs.vfat', '-n', 'ULTRASOUND', os.path.join(work, 'stick.fat'))
+        here = os.path.dirname(os.path.abspath(__file__))
+        for name in ('guest-check', 'short-script', '../virtual_board/guest/as-kiosk', '../virtual_board/guest/onto-the-stick'):
+            shutil.copy(os.path.join(here, name), share)
         self.qemu = subprocess.Popen(command(), stdin=subprocess.DEVNULL, stderr=open(os.path.join(work, 'qemu.log'), 'w'))
         try:
             machine = Machine(work, self.dead)
             self.wait('limits')
             self.screen(machine)
             self.done('seen')
+            self.wait('again')
+            self.screen(machine)
+            space = {'type': 'key', 'data': {'down': True, 'key': {'type': 'qcode', 'data': 'spc'}}}
+            pressed = machine.say('input-send-event', events=[space])
+            require('error' not in pressed, str(pressed))
+            self.done('held')
             self.wait('end')
         finally:
             self.end()
@@ -174,7 +186,8 @@ class Boot:
         wait_for(lambda: name in self.said(), f'the system to say {name!r}, after {list(self.said())}', PATIENCE, self.dead)
 
     def end(self):
-        self.done('seen')
+        for name in ('seen', 'held'):
+            self.done(name)
         try:
             self.qemu.wait(120)
         except subprocess.TimeoutExpired:
@@ -206,6 +219,43 @@ def again(bench):
     require(said['crashed'] == 'active, restarted 1 times', said['crashed'] + journal())
     require(said['again'] == 'active, restarted 2 times', said['again'] + journal())
     return 'twice'
+
+
+@test('a kiosk that is stopped while it records saves the sweep')
+def stopped(bench):
+    said = bench['boot'].said()
+    require(said['stopped'] == 'success' and said['verified'] == '0', str(said) + journal())
+    exams = json.load(open(os.path.join(share, 'saved')))['exams']
+    require([(e['sweeps'], e['closed'], e['damage']) for e in exams] == [(1, True, '')] and exams[0]['frames'] > 0, str(exams))
+    return f"{exams[0]['frames']} frames"
+
+
+@test("a stick is mounted for the cart's user, an exam goes onto it from the kiosk's unit, which lets it go and can do no more")
+def stick(bench):
+    said = bench['boot'].said()
+    require('uid=' in said['stick'] and 'nosuid' in said['stick'], said['stick'])
+    require(said.get('examination') == '0' and said.get('export') == '0',
+            str(said) + ''.join(open(os.path.join(share, n)).read()[-500:] for n in ('examination', 'export') if os.path.exists(os.path.join(share, n))))
+    require(said['still-mounted'] == '0', 'it is still mounted')
+    log = open(os.path.join(share, 'export')).read()
+    places = json.JSONDecoder().raw_decode(log[log.index('{'):])[0]['places']
+    require([p['label'] for p in places] == ['ULTRASOUND'], str(places))
+    run('mcopy', '-s', '-n', '-i', os.path.join(work, 'stick.fat'), '::/taken', work)
+    exam = next(f for f in os.listdir(share) if f.endswith('.exam'))
+    here = os.path.join(work, 'here')
+    run(tool, 'export', os.path.join(share, exam), '--to', here, '--format', 'mha', '--sweep', '1')
+    names = sorted(os.listdir(here))
+    require(names and names == sorted(os.listdir(os.path.join(work, 'taken'))), f'{names} here')
+    for name in names:
+        require(open(os.path.join(here, name), 'rb').read() == open(os.path.join(work, 'taken', name), 'rb').read(), f'{name} differs')
+    return f"{len(names)} files, the same bytes as written here; {said['stick'].split()[0]}"
+
+
+@test('no unit of the system failed')
+def units(bench):
+    require('end' in bench['boot'].said(), 'it did not come that far')
+    failed = open(os.path.join(share, 'failed-units')).read().strip()
+    require(failed == '', failed)
 
 
 def main():
