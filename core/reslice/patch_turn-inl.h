@@ -24,8 +24,8 @@ constexpr int turned_side = least_turned_px;  // of the squares that are turned 
 
 // Square of pixels, rows `from`, to columns: column i goes to to[i], where that is not null.
 HWY_ATTR HWY_INLINE void turn_square(const std::uint8_t* const* from, std::uint8_t* const* to) {
-// Scalable vectors (SVE) go into no array.
-#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
+// SVE's vectors go into no array, of known length or not.
+#if HWY_TARGET == HWY_SCALAR || (HWY_TARGET & (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)) != 0
   for (int i = 0; i < turned_side; ++i)
     for (int j = 0; to[i] != nullptr && j < turned_side; ++j) to[i][j] = from[j][i];
 #elif HWY_TARGET == HWY_AVX3_DL
