@@ -6,6 +6,7 @@
 
 #include "core/reslice/band_painter.h"
 #include "core/reslice/bilinear.h"
+#include "core/reslice/patch_kernels.h"
 
 namespace sonoband {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/reslice/patch_kernels.h"
+
 namespace sonoband {
 namespace {
 
@@ -10,45 +12,6 @@ namespace {
 constexpr std::size_t many_candidates = 10;
 
 }  // namespace
-
-int BandPainter::paint_cells(const ChainCells& cells, const PatchSite& site) {
-  const int count = static_cast<int>(cells.boundaries.size()) - 1;
-  if (!cells.reaches.empty()) {
-    ends_.clear();
-    const int start = patch_kernels().take_chain_ends(cells.frames.data(), cells.boundaries.data(), count,
-                                                      site, rule_, totals_.piece(), ends_.without());
-    ends_.hand_over(cells, tile_.grid, site, rule_, totals_.piece());
-    return start;
-  }
-  if (!linear_) {
-    return patch_kernels().take_chain(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
-                                      totals_.piece());
-  }
-  if (cells.unblended) {
-    return patch_kernels().take_chain_linear(cells.frames.data(), cells.boundaries.data(), count, site, rule_,
-                                             totals_.piece());
-  }
-  if (cells.grey_taps) {
-    return patch_kernels().blend_chain(cells.frames.data(), cells.shares.data(), cells.boundaries.data(),
-                                       count, site, rule_, totals_.piece());
-  }
-  std::array<LaneMask, patch_layers> masks;
-  return walk_chain(
-      cells.boundaries.data(), count, site,
-      [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range) {
-        std::fill_n(masks.begin(), range.high - range.low, site.lanes);
-        LayerThresholds thresholds;
-        if (from != nullptr) {
-          patch_kernels().thresholds(*from, site, thresholds);
-          patch_kernels().hold(thresholds, true, range.low, range.high, masks.data());
-        }
-        if (to != nullptr) {
-          patch_kernels().thresholds(*to, site, thresholds);
-          patch_kernels().hold(thresholds, false, range.low, range.high, masks.data());
-        }
-        blend_cell(cells, cell, site, range, masks.data());
-      });
-}
 
 // No data in a block. Layers apart may hold older ones; a picture is blank from the start.
 void BandPainter::blank(const LatticeBlock& block) {
@@ -64,30 +27,6 @@ void BandPainter::blank(const LatticeBlock& block) {
     std::uint16_t* has = layers_->has_data.view().row(y) + block.a;
     for (int x = 0; x < block.width; ++x) has[x] &= others;
   }
-}
-
-// As paint_cells; layers kept apart one at a time, the first of the piece being `first_layer`.
-int BandPainter::paint_layers(const ChainCells& cells, PatchSite site, int first_layer) {
-  if (!apart()) return paint_cells(cells, site);
-  const int layers = site.depth, a = tile_.block.a + site.da, b = tile_.block.b + site.db;
-  if (!linear_) {
-    const std::uint8_t missing = rule_ == Rule::minimum ? 255 : 0;
-    for (int l = 0; l < layers; ++l) apart_.values[l].fill(missing);
-    apart_.has_data.fill(0);
-    const int count = static_cast<int>(cells.boundaries.size()) - 1;
-    const int start =
-        patch_kernels().take_chain_apart(cells.frames.data(), cells.boundaries.data(), count, site, apart_);
-    PatchTotals::store(apart_, layers, *layers_, first_layer, a, b, tile_.shape);
-    return start;
-  }
-  for (int l = 0; l < layers; ++l) {
-    site.first = l;
-    site.depth = l + 1;
-    totals_.clear();
-    site.start = paint_cells(cells, site);
-    store_layer(first_layer + l, a, b);
-  }
-  return site.start;
 }
 
 // What each candidate gives to some layers of place_.
@@ -193,45 +132,10 @@ void BandPainter::paint_patches(const LatticeBlock& region, Paint paint) {
       const int height = std::min(shape.down(), region.b + region.height - b);
       if (!apart()) totals_.clear();
       paint(a, b, width, height);
-      if (!apart()) totals_.store(*image_, a, b, shape);
+      if (apart()) continue;
+      store({a - tile_.block.a, b - tile_.block.b, region.depth, existing_lanes(shape, width, height)});
     }
   }
-}
-
-// Calls paint(da, db, lanes) for every patch of the whole tile, from its corner; those that the shear puts
-// across the tile's edges are cut there.
-template <class Paint>
-void BandPainter::paint_sheared(Paint paint) {
-  const LaneShape shape = tile_.shape;
-  const LatticeBlock& block = tile_.block;
-  const LaneGrid& grid = tile_.grid;
-  const auto first = [](int greatest, int side) { return -(greatest / side * side); };
-  for (int db = first(grid.greatest_b, shape.down()); db + grid.least_b < block.height; db += shape.down()) {
-    if (stopped()) return;
-    for (int da = first(grid.greatest_a, shape.across); da + grid.least_a < block.width; da += shape.across) {
-      const LaneMask lanes = existing_lanes(grid, da, db, block.width, block.height);
-      if (lanes == 0) continue;
-      totals_.clear();
-      paint(da, db, lanes);
-      totals_.store(*image_, block.a + da, block.b + db, grid, lanes);
-    }
-  }
-}
-
-void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
-                              const std::vector<Candidate>& candidates, const Chain& chain) {
-  lay_out(lattice, tile_, chain, candidates, box, 0, interpolation(), cells_);
-  int start = 0;
-  if (tile_.shape.sheared()) {
-    paint_sheared([&](int da, int db, LaneMask lanes) {
-      start = paint_layers(cells_, {da, db, region.depth, lanes, start}, 0);
-    });
-    return;
-  }
-  paint_patches(region, [&](int a, int b, int width, int height) {
-    const LaneMask lanes = existing_lanes(tile_.shape, width, height);
-    start = paint_layers(cells_, {a - tile_.block.a, b - tile_.block.b, region.depth, lanes, start}, 0);
-  });
 }
 
 void BandPainter::paint_tile(const Lattice& lattice) {
@@ -298,126 +202,6 @@ void BandPainter::paint_parts(const Lattice& lattice, const LatticeBlock& region
   }
   paint_region(lattice, first, frames);
   paint_region(lattice, second, frames);
-}
-
-std::vector<int> BandPainter::frames_near(const FrameTable& of, const SampleBox& box) const {
-  std::vector<Candidate> candidates;
-  cull(of, all_frames(of), box, interpolation(), candidates);
-  std::vector<int> kept;
-  for (const Candidate& c : candidates) kept.push_back(c.frame);
-  return kept;
-}
-
-// False where no frame reaches the tile.
-bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& reach, int a, int b,
-                            const TileSize& size) {
-  if (!tile.find(table_, lattice, reach.frames, interpolation(), may_end(), a, b, size)) return false;
-  if (tile.is_chain && thinning_.pixel.mm > 0) {
-    tile.thin(interpolation(), thinning_.pixel, left_out_);
-  } else if (!tile.is_chain && thinning_.rest != nullptr) {
-    const std::size_t all = tile.candidates.size();
-    if (!tile.find(*thinning_.rest, lattice, reach.rest, interpolation(), may_end(), a, b, size))
-      return false;
-    left_out_.add(all, tile.candidates.size());
-  }
-  // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces; for the few
-  // layers of a block turning a frame costs more than it saves.
-  tile.open(lattice, interpolation(), !apart() && lattice.layers <= patch_layers);
-  return true;
-}
-
-BandPainter::Reach BandPainter::reach_of(const SampleBox& box) const {
-  Reach reach;
-  reach.frames = frames_near(table_, box);
-  if (thinning_.rest != nullptr) reach.rest = frames_near(*thinning_.rest, box);
-  return reach;
-}
-
-void BandPainter::paint_strips(const Lattice& lattice, const std::vector<Strip>& strips,
-                               const TileSize& size) {
-  struct Place {
-    const Strip* strip;
-    int a, width;
-  };
-  std::vector<Place> places;
-  for (const Strip& strip : strips) {
-    for (int a = 0; a < strip.width; a += size.across)
-      places.push_back({&strip, strip.a + a, std::min(size.across, strip.width - a)});
-  }
-  const auto height = [&](const Strip& strip) { return std::min(size.down, lattice.rows - strip.b); };
-  Reach reach;
-  const auto open = [&](Tile& tile, std::size_t i) {
-    if (i == places.size()) return false;
-    const Strip& strip = *places[i].strip;
-    if (places[i].a == strip.a)
-      reach = reach_of(box_of({strip.a, strip.b, 0, strip.width, height(strip), lattice.layers}));
-    return !reach.frames.empty() && open_tile(tile, lattice, reach, places[i].a, strip.b, size);
-  };
-  bool opened = open(tile_, 0);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (stopped()) return;
-    const bool next_opened = open(next_tile_, i + 1);
-    const auto& [strip, a, width] = places[i];
-    if (opened) {
-      paint_tile(lattice);
-    } else {
-      blank({a, strip->b, 0, width, height(*strip), lattice.layers});
-    }
-    std::swap(tile_, next_tile_);
-    opened = next_opened;
-  }
-}
-
-void BandPainter::paint_lines(const LineBundle& bundle, const std::vector<int>& frames, int a, int first,
-                              int last) {
-  tile_.table = &table_;
-  tile_.shape = LaneShape{patch_lanes};
-  const int end = std::min(a + patch_lanes, bundle.samples);
-  tile_.grid = lane_grid(tile_.shape);
-  const BlockBox block = box_of(bundle, {first, last, a, end});
-  if (block.empty) return;
-  cull(table_, frames, block.box, interpolation(), tile_.candidates);
-  if (tile_.candidates.empty()) return;
-  std::vector<int> near;
-  for (const Candidate& c : tile_.candidates) near.push_back(c.frame);
-  Lattice steps;
-  steps.per_sample = bundle.step.v;
-  tile_.turned = false;
-  tile_.place_frames(steps, 0, 0);
-  tile_.make_patches(steps, linear_ ? 2 : 1);
-  std::vector<Candidate> candidates;
-  std::vector<const PatchFrame*> patch_frames;
-  const LaneMask lanes = existing_lanes(tile_.shape, end - a, 1);
-  place_.shape = tile_.shape;
-  place_.sample_step = bundle.step.v;
-  place_.row_step.setZero();
-  for (int row = first; row < last && !stopped(); ++row) {
-    const BlockBox box = box_of(bundle, {row, row + 1, a, end});
-    if (box.empty) continue;
-    cull(table_, near, box.box, interpolation(), candidates);
-    if (candidates.empty()) continue;
-    patch_frames.clear();
-    for (const Candidate& c : candidates)
-      patch_frames.push_back(&tile_.frames[tile_.index_of(c.frame)].patch);
-    totals_.clear();
-    for (int l = 0; l < bundle.layers; l += patch_layers) {
-      if (l > 0) totals_.next_piece();
-      place_.layers = std::min(patch_layers, bundle.layers - l);
-      for (int i = 0; i < place_.layers; ++i) {
-        const std::size_t line = static_cast<std::size_t>(row) * bundle.layers + l + i;
-        const bool present = bundle.present.empty() || bundle.present[line] != 0;
-        // An absent line's start may be anything: it must not be computed with.
-        const Eigen::Vector3d p =
-            present ? Eigen::Vector3d(bundle.starts[line].v + a * bundle.step.v) : box.box.centre;
-        place_.x[i] = p.x();
-        place_.y[i] = p.y();
-        place_.z[i] = p.z();
-        place_.lanes[i] = present ? lanes : 0;
-      }
-      paint_place(candidates, patch_frames);
-    }
-    totals_.store(*image_, a, row, tile_.shape);
-  }
 }
 
 }  // namespace sonoband

@@ -2,7 +2,9 @@
 // at boundaries (core/reslice/chain.h), or, where they cross, as the algebra of core/reslice/winners.h says.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <vector>
 
 #include "core/reslice/chain_cells.h"
 #include "core/reslice/chain_ends.h"
@@ -71,8 +73,11 @@ class BandPainter {
   void thin(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain);
   template <class Paint>
   void paint_patches(const LatticeBlock& region, Paint paint);
-  template <class Paint>
-  void paint_sheared(Paint paint);
+  template <class Visit>
+  void for_patches(const LatticeBlock& region, Visit visit);
+  void store(const PatchSite& site);
+  void take_group();
+  void paint_group();
   void paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
                    const std::vector<Candidate>& candidates, const Chain& chain);
   // Of each table.
@@ -122,6 +127,9 @@ class BandPainter {
   Tile tile_, next_tile_;
   ChainCells cells_;
   ChainEnds ends_;
+  PatchGroup group_;
+  // By patch of group_: cells in which a frame's picture may end.
+  std::array<std::vector<int>, group_patches> edges_;
   Winners winners_;
   PatchPlace place_;
   BlendSide side_a_, side_b_;

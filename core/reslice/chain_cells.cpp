@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/reslice/chain_walk.h"
+#include "core/reslice/patch_kernels.h"
 
 namespace sonoband {
 namespace {

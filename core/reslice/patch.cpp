@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/reslice/patch_kernels.h"
+
 namespace sonoband {
 namespace {
 

@@ -10,6 +10,7 @@
 // clang-format on
 
 #include "core/reslice/chain_walk.h"
+#include "core/reslice/patch_cell_vbmi-inl.h"
 #include "core/reslice/patch_vbmi-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -63,6 +64,11 @@ HWY_ATTR HWY_INLINE __m512i threshold_layers(const ChainBoundary& b, float at) {
                                                _mm512_cvt_roundps_epi32(crossing(3), down))));
 }
 
+HWY_ATTR inline void thresholds(const ChainBoundary& boundary, const PatchSite& site, LayerThresholds& out) {
+  out.rising = boundary.rising;
+  _mm512_store_si512(out.layer.data(), threshold_layers(boundary, boundary.at(site)));
+}
+
 // Lanes for which a condition holds at a layer.
 struct Condition {
   __m512i layers;
@@ -90,6 +96,24 @@ HWY_ATTR HWY_INLINE LaneMask lanes_between(const Condition& from, const Conditio
   return site.lanes & from.at(layer) & ~to.at(layer);
 }
 
+// Between two conditions.
+HWY_ATTR HWY_INLINE LaneLayers layers_between(const Condition& from, const Condition& to,
+                                              const PatchSite& site, const LayerRange& range) {
+  __m512i first = _mm512_set1_epi8(static_cast<char>(range.low)),
+          last = _mm512_set1_epi8(static_cast<char>(range.high));
+  if (from.flip == 0) {
+    first = _mm512_max_epu8(first, from.layers);
+  } else {
+    last = _mm512_min_epu8(last, from.layers);
+  }
+  if (to.flip == 0) {
+    last = _mm512_min_epu8(last, to.layers);
+  } else {
+    first = _mm512_max_epu8(first, to.layers);
+  }
+  return {first, _mm512_maskz_subs_epu8(site.lanes, last, first)};
+}
+
 // What a chain's pixels go to: the sums of a patch.
 template <Rule rule>
 struct ToSums {
@@ -97,6 +121,9 @@ struct ToSums {
   PatchSums* sums;
   HWY_ATTR explicit ToSums(PatchSums& s) : gathered(s), sums(&s) {}
   HWY_ATTR HWY_INLINE void add(int, LaneMask m, __m512i values) { gathered.add(m, values); }
+  // The same in two: how many layers a lane gets, and their values.
+  HWY_ATTR HWY_INLINE void count(__m512i layers) { gathered.count(layers); }
+  HWY_ATTR HWY_INLINE void put(int, LaneMask m, __m512i values) { gathered.put(m, values); }
   HWY_ATTR void take(const PatchFrame& f, int, FixedPx x, FixedPx y, LaneMask m) {
     gathered.store();
     take_single<rule>(f, &x, &y, &m, 1, *sums);
@@ -119,6 +146,8 @@ struct ToLayers {
     has_data[0] = _mm512_or_si512(has_data[0], _mm512_maskz_set1_epi16(static_cast<__mmask32>(m), bit));
     has_data[1] = _mm512_or_si512(has_data[1], _mm512_maskz_set1_epi16(static_cast<__mmask32>(m >> 32), bit));
   }
+  HWY_ATTR HWY_INLINE void count(__m512i) {}
+  HWY_ATTR HWY_INLINE void put(int l, LaneMask m, __m512i values) { add(l, m, values); }
   HWY_ATTR void store() const {
     _mm512_store_si512(layers->has_data.data(), has_data[0]);
     _mm512_store_si512(layers->has_data.data() + 32, has_data[1]);
@@ -179,6 +208,31 @@ HWY_ATTR HWY_INLINE int walk_conditions(const ChainBoundary* boundaries, int cou
       });
 }
 
+// False where a cell's pixels are not all the picture's. Each in a function of its own: sums stay in
+// registers.
+template <class FetchLanes, class To>
+HWY_ATTR HWY_NOINLINE bool take_inner_by(const ChainFrame& f, const PatchSite& site, const Condition& from,
+                                         const Condition& to, const LayerRange& range, To& gathered) {
+  const PositionRange at(f, site, range);
+  if (!FetchLanes::holds(*f.frame, at)) return false;
+  To own = gathered;
+  const LaneLayers layers = layers_between(from, to, site, range);
+  own.count(layers.length);
+  FetchLanes fetch(f);
+  take_layers(fetch, f, at.x, at.y, layers, range, own);
+  gathered = own;
+  return true;
+}
+template <class To>
+HWY_ATTR HWY_INLINE bool take_inner(const ChainFrame& f, const PatchSite& site, const Condition& from,
+                                    const Condition& to, const LayerRange& range, To& gathered) {
+  bool held = false;
+  with_inner_fetch(*f.frame, [&](auto type) HWY_ATTR {
+    held = take_inner_by<typename decltype(type)::type>(f, site, from, to, range, gathered);
+  });
+  return held;
+}
+
 template <class To>
 HWY_ATTR HWY_INLINE int take_chain_to(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
                                       const PatchSite& site, To& gathered) {
@@ -186,9 +240,8 @@ HWY_ATTR HWY_INLINE int take_chain_to(const ChainFrame* frames, const ChainBound
                          [&](int cell, const Condition& from, const Condition& to, const LayerRange& range)
                              HWY_ATTR {
                                const ChainFrame& f = frames[cell];
-                               if (f.frame->fetch == Fetch::window) {
-                                 take_cell<WindowFetch>(f, site, from, to, range, gathered);
-                               } else if (f.frame->fetch == Fetch::rows) {
+                               if (take_inner(f, site, from, to, range, gathered)) return;
+                               if (f.frame->fetch == Fetch::rows) {
                                  take_cell<RowsFetch>(f, site, from, to, range, gathered);
                                } else {
                                  for (int l = range.low; l < range.high; ++l) {
@@ -200,11 +253,11 @@ HWY_ATTR HWY_INLINE int take_chain_to(const ChainFrame* frames, const ChainBound
 }
 
 // Any lane whose pixel, from lane 0 at either position, is not the picture's.
-inline bool may_end(const PatchFrame& f, FixedPx x, FixedPx last_x, FixedPx y, FixedPx last_y) {
-  return f.mask != nullptr || whole(std::min(x, last_x)) + f.least_column < f.first_x ||
-         whole(std::max(x, last_x)) + f.least_column + f.columns + 1 > f.last_x ||
-         whole(std::min(y, last_y)) + f.least_row < f.first_y ||
-         whole(std::max(y, last_y)) + f.least_row + f.rows + 1 > f.last_y;
+inline bool may_end(const PatchFrame& f, const PositionRange& at) {
+  return f.mask != nullptr || whole(std::min(at.x, at.last_x)) + f.least_column < f.first_x ||
+         whole(std::max(at.x, at.last_x)) + f.least_column + f.columns + 1 > f.last_x ||
+         whole(std::min(at.y, at.last_y)) + f.least_row < f.first_y ||
+         whole(std::max(at.y, at.last_y)) + f.least_row + f.rows + 1 > f.last_y;
 }
 
 // As take_cell where the frame's picture may end.
@@ -243,15 +296,10 @@ HWY_ATTR int take_chain_ends_by(const ChainFrame* frames, const ChainBoundary* b
       boundaries, count, site,
       [&](int cell, const Condition& from, const Condition& to, const LayerRange& range) HWY_ATTR {
         const ChainFrame& f = frames[cell];
-        const FixedPx x = f.x_at(site, range.low), last_x = f.x_at(site, range.high - 1);
-        const FixedPx y = f.y_at(site, range.low), last_y = f.y_at(site, range.high - 1);
-        const bool ends = may_end(*f.frame, x, last_x, y, last_y);
+        const bool ends = may_end(*f.frame, PositionRange(f, site, range));
+        if (!ends && take_inner(f, site, from, to, range, gathered)) return;
         if (f.frame->fetch == Fetch::window) {
-          if (ends) {
-            take_cell_ends<WindowFetch>(f, site, from, to, range, gathered, without);
-          } else {
-            take_cell<WindowFetch>(f, site, from, to, range, gathered);
-          }
+          take_cell_ends<WindowFetch>(f, site, from, to, range, gathered, without);
         } else if (f.frame->fetch == Fetch::rows) {
           if (ends) {
             take_cell_ends<RowsFetch>(f, site, from, to, range, gathered, without);

@@ -8,14 +8,15 @@
 // Highway's per-target headers come after foreach_target.h.
 #include <hwy/highway.h>
 
-#include "core/reslice/chain_walk.h"
-#include "core/reslice/patch.h"
+#include "core/reslice/patch_chain_plain-inl.h"
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/patch_linear_plain-inl.h"
 #include "core/reslice/patch_plain-inl.h"
 #include "core/reslice/patch_rulings-inl.h"
 #include "core/reslice/patch_turn-inl.h"
 #if HWY_TARGET == HWY_AVX3_DL
 #include "core/reslice/patch_chain_vbmi-inl.h"
+#include "core/reslice/patch_group_vbmi-inl.h"
 #include "core/reslice/patch_linear_chain_vbmi-inl.h"
 #include "core/reslice/patch_linear_vbmi-inl.h"
 #include "core/reslice/patch_vbmi-inl.h"
@@ -63,213 +64,12 @@ HWY_ATTR void split_positions(const std::int32_t* offsets, int least, std::uint1
   }
 }
 
-HWY_ATTR void thresholds(const ChainBoundary& boundary, const PatchSite& site, LayerThresholds& out) {
-  out.rising = boundary.rising;
-#if HWY_TARGET == HWY_AVX3_DL
-  _mm512_store_si512(out.layer.data(), threshold_layers(boundary, boundary.at(site)));
-#else
-  const Floats d;
-  const hn::Rebind<std::int32_t, Floats> ints;
-  const hn::Rebind<std::uint8_t, Floats> bytes;
-  const auto at = hn::Set(d, boundary.at(site));
-  const auto zero = hn::Zero(d), most = hn::Set(d, 255.0F), one = hn::Set(d, 1.0F);
-  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
-    const auto crossing = hn::Add(at, hn::Load(d, boundary.lanes.data() + k));
-    // Bounded before rounding: the conversion to integers must not overflow.
-    const auto bounded = hn::Min(hn::Max(crossing, hn::Neg(one)), most);
-    const auto layer = boundary.rising ? hn::Ceil(bounded) : hn::Add(hn::Floor(bounded), one);
-    const auto clamped = hn::Min(hn::Max(layer, zero), most);
-    hn::StoreU(hn::DemoteTo(bytes, hn::ConvertTo(ints, clamped)), bytes, out.layer.data() + k);
-  }
-#endif
-}
-
-// Lane offsets of an affine function.
-HWY_ATTR inline void lane_offsets(const LaneGrid& grid, float per_sample, float per_row, float* offsets) {
-  for (int k = 0; k < patch_lanes; ++k) offsets[k] = per_sample * grid.a[k] + per_row * grid.b[k];
-}
-
 HWY_ATTR void inside(const PatchFrame& f, const FixedPx* x, const FixedPx* y, int layers, LaneMask* masks) {
 #if HWY_TARGET == HWY_AVX3_DL
   if (f.fetch != Fetch::single) return inside_permuted(f, x, y, layers, masks);
 #endif
   for (int l = 0; l < layers; ++l) masks[l] = inside_single(f, x[l], y[l], masks[l]);
 }
-
-#if HWY_TARGET == HWY_AVX3_DL
-
-HWY_ATTR void hold(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks) {
-  const __m512i layers = _mm512_load_si512(thresholds.layer.data());
-  const LaneMask flip = thresholds.rising == holding ? 0 : ~LaneMask{0};
-  for (int l = first; l < last; ++l)
-    masks[l - first] &= _mm512_cmple_epu8_mask(layers, _mm512_set1_epi8(static_cast<char>(l))) ^ flip;
-}
-
-HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
-                         LaneMask* masks) {
-  alignas(64) float lane_offset[patch_lanes];
-  lane_offsets(grid, per_sample, per_row, lane_offset);
-  __m512 offset[4];
-  for (int i = 0; i < 4; ++i) offset[i] = _mm512_load_ps(lane_offset + 16 * i);
-  for (int l = 0; l < layers; ++l) {
-    const __m512 least = _mm512_set1_ps(-base[l]);
-    LaneMask m = 0;
-    for (int i = 0; i < 4; ++i) m |= LaneMask{_mm512_cmp_ps_mask(offset[i], least, _CMP_GE_OQ)} << (16 * i);
-    masks[l] = m;
-  }
-}
-
-template <Rule rule>
-HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
-                      int layers, PatchSums& sums) {
-  switch (f.fetch) {
-    case Fetch::rows:
-      return take_permuted<rule, RowsFetch>(f, x, y, masks, layers, sums);
-    case Fetch::window:
-      return take_permuted<rule, WindowFetch>(f, x, y, masks, layers, sums);
-    case Fetch::single:
-      return take_single<rule>(f, x, y, masks, layers, sums);
-  }
-}
-
-#else
-
-HWY_ATTR inline LaneMask not_above(const std::uint8_t* values, std::uint8_t most) {
-  const Bytes d;
-  const auto bound = hn::Set(d, most);
-  LaneMask mask = 0;
-  for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
-    alignas(8) std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Eq(hn::Min(hn::Load(d, values + k), bound), hn::Load(d, values + k)), bits);
-    LaneMask part = 0;
-    for (std::size_t i = 0; i < (hn::Lanes(d) + 7) / 8; ++i) part |= LaneMask{bits[i]} << (8 * i);
-    mask |= part << k;
-  }
-  return mask;
-}
-
-HWY_ATTR void hold(const LayerThresholds& thresholds, bool holding, int first, int last, LaneMask* masks) {
-  const LaneMask flip = thresholds.rising == holding ? 0 : ~LaneMask{0};
-  for (int l = first; l < last; ++l)
-    masks[l - first] &= not_above(thresholds.layer.data(), static_cast<std::uint8_t>(l)) ^ flip;
-}
-
-HWY_ATTR void lay_lanes(const LaneGrid& grid, ChainBoundary& b) {
-  lane_offsets(grid, b.per_sample, b.per_row, b.lanes.data());
-  b.least = *std::min_element(b.lanes.begin(), b.lanes.end());
-  b.greatest = *std::max_element(b.lanes.begin(), b.lanes.end());
-}
-
-HWY_ATTR void half_space(const LaneGrid& grid, const float* base, float per_sample, float per_row, int layers,
-                         LaneMask* masks) {
-  alignas(64) float lane_offset[patch_lanes];
-  lane_offsets(grid, per_sample, per_row, lane_offset);
-  const Floats d;
-  for (int l = 0; l < layers; ++l) {
-    const auto least = hn::Set(d, -base[l]);
-    LaneMask mask = 0;
-    for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d)) {
-      alignas(8) std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(d, hn::Ge(hn::LoadU(d, lane_offset + k), least), bits);
-      LaneMask part = 0;
-      for (std::size_t i = 0; i < (hn::Lanes(d) + 7) / 8; ++i) part |= LaneMask{bits[i]} << (8 * i);
-      mask |= part << k;
-    }
-    masks[l] = mask;
-  }
-}
-
-template <Rule rule>
-HWY_ATTR void take_by(const PatchFrame& f, const FixedPx* x, const FixedPx* y, const LaneMask* masks,
-                      int layers, PatchSums& sums) {
-  take_single<rule>(f, x, y, masks, layers, sums);
-}
-
-// Calls visit(cell, l, lanes) for every layer of every cell.
-template <class Visit>
-HWY_ATTR int walk_layers(const ChainBoundary* boundaries, int count, const PatchSite& site, Visit visit) {
-  LaneMask masks[patch_layers];
-  LayerThresholds scratch;
-  return walk_chain(boundaries, count, site,
-                    [&](int cell, const ChainBoundary* from, const ChainBoundary* to, const LayerRange& range)
-                        HWY_ATTR {
-                          std::fill(masks, masks + (range.high - range.low), site.lanes);
-                          if (from != nullptr) {
-                            thresholds(*from, site, scratch);
-                            hold(scratch, true, range.low, range.high, masks);
-                          }
-                          if (to != nullptr) {
-                            thresholds(*to, site, scratch);
-                            hold(scratch, false, range.low, range.high, masks);
-                          }
-                          for (int l = range.low; l < range.high; ++l) visit(cell, l, masks[l - range.low]);
-                        });
-}
-
-template <Rule rule>
-HWY_ATTR int take_chain_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                           const PatchSite& site, PatchSums& sums) {
-  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
-    const ChainFrame& f = frames[cell];
-    const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-    take_single<rule>(*f.frame, &x, &y, &mask, 1, sums);
-  });
-}
-
-template <Rule rule>
-HWY_ATTR int take_chain_ends_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                                const PatchSite& site, PatchSums& sums, LaneMask* without) {
-  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
-    const ChainFrame& f = frames[cell];
-    const FixedPx x = f.x_at(site, l), y = f.y_at(site, l);
-    const LaneMask in = inside_single(*f.frame, x, y, mask);
-    without[l] |= mask & ~in;
-    take_single<rule>(*f.frame, &x, &y, &in, 1, sums);
-  });
-}
-
-template <Rule rule>
-HWY_ATTR int blend_chain_by(const ChainFrame* frames, const ChainShare* shares,
-                            const ChainBoundary* boundaries, int count, const PatchSite& site,
-                            PatchSums& sums) {
-  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
-    const bool alone = cell == 0 || cell == count - 1;
-    const ChainFrame& a = frames[std::max(cell - 1, 0)];
-    blend_layer<rule>(a, alone ? a : frames[cell], alone ? nullptr : shares + cell - 1, site, l, mask, sums);
-  });
-}
-
-template <Rule rule>
-HWY_ATTR int take_chain_linear_by(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                                  const PatchSite& site, PatchSums& sums) {
-  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
-    blend_layer<rule>(frames[cell], frames[cell], nullptr, site, l, mask, sums);
-  });
-}
-
-HWY_ATTR int take_chain_apart(const ChainFrame* frames, const ChainBoundary* boundaries, int count,
-                              const PatchSite& site, PatchLayers& layers) {
-  return walk_layers(boundaries, count, site, [&](int cell, int l, LaneMask mask) HWY_ATTR {
-    if (mask == 0) return;
-    const ChainFrame& f = frames[cell];
-    alignas(64) std::uint8_t values[patch_lanes];
-    fetch_single(*f.frame, f.x_at(site, l), f.y_at(site, l), values);
-    const Bytes d;
-    std::uint8_t* out = layers.values[l].data();
-    for (std::size_t k = 0; k < patch_lanes; k += hn::Lanes(d))
-      hn::Store(hn::IfThenElse(lanes_of(mask, k), hn::Load(d, values + k), hn::Load(d, out + k)), d, out + k);
-    for (int k = 0; k < patch_lanes; ++k)
-      layers.has_data[k] = static_cast<std::uint16_t>(layers.has_data[k] | (mask >> k & 1) << l);
-  });
-}
-
-template <Rule rule>
-HWY_ATTR void blend_by(const LaneGrid& grid, const LinearSide& a, const LinearSide& b, const LaneMask* masks,
-                       int layers, PatchSums& sums) {
-  blend_single<rule>(grid, a, b, masks, layers, sums);
-}
-
-#endif
 
 // Whole parts of a * per_sample + b * per_row, cut off to 16 bits.
 HWY_ATTR inline void lane_wholes(const LaneGrid& grid, const TileFixed& of, std::uint16_t* wholes) {
@@ -338,6 +138,25 @@ HWY_ATTR int take_chain_ends(const ChainFrame* frames, const ChainBoundary* boun
   }
   return take_chain_ends_by<Rule::mean_doppler>(frames, boundaries, count, site, sums, without);
 }
+
+#if HWY_TARGET == HWY_AVX3_DL
+HWY_ATTR int take_cell(const ChainFrame& frame, const ChainBoundary* boundaries, bool ends, Rule rule,
+                       PatchGroup& group, std::uint8_t* at_edge) {
+  switch (rule) {
+    case Rule::maximum:
+      return take_cell_by<Rule::maximum>(frame, boundaries, ends, group, at_edge);
+    case Rule::minimum:
+      return take_cell_by<Rule::minimum>(frame, boundaries, ends, group, at_edge);
+    case Rule::mean_grey:
+      return take_cell_by<Rule::mean_grey>(frame, boundaries, ends, group, at_edge);
+    case Rule::mean_doppler:
+      break;
+  }
+  return take_cell_by<Rule::mean_doppler>(frame, boundaries, ends, group, at_edge);
+}
+#else
+constexpr auto take_cell = nullptr;
+#endif
 
 HWY_ATTR int blend_chain(const ChainFrame* frames, const ChainShare* shares, const ChainBoundary* boundaries,
                          int count, const PatchSite& site, Rule rule, PatchSums& sums) {
@@ -418,6 +237,7 @@ HWY_ATTR const PatchKernels& kernels_of_target() {
                                         thresholds,
                                         take_chain,
                                         take_chain_ends,
+                                        take_cell,
                                         lay_share,
                                         blend_chain,
                                         take_chain_linear,

@@ -135,6 +135,11 @@ HWY_ATTR void take_single(const PatchFrame& f, const FixedPx* x, const FixedPx* 
   }
 }
 
+// Lane offsets of an affine function.
+HWY_ATTR inline void lane_offsets(const LaneGrid& grid, float per_sample, float per_row, float* offsets) {
+  for (int k = 0; k < patch_lanes; ++k) offsets[k] = per_sample * grid.a[k] + per_row * grid.b[k];
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sonoband
 HWY_AFTER_NAMESPACE();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/reslice/frame_table.h"
-#include "core/reslice/patch.h"
+#include "core/reslice/patch_kernels.h"
 
 namespace sonoband {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/ties.h"
 
 namespace sonoband {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/reslice/paint.h"
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/tile.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/core/reslice/only_target.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/reslice/patch.h"
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/rolling_band.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/core/reslice/only_target.h"

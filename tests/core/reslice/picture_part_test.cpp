@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/picture_part.h"
 #include "tests/core/reslice/only_target.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/reslice/patch.h"
+#include "core/reslice/patch_kernels.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/core/reslice/only_target.h"
 #include "tests/core/reslice/reference.h"
