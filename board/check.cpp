@@ -25,17 +25,15 @@ CheckLine check_video(const Profile& profile) {
 }
 
 CheckLine check_pedal(const Profile& profile) {
+  const std::vector<ContactRequest> requests = contact_requests(pedal_wiring(profile));
   if (profile.pedal.wired == "usb")
     return pedal_line(*key_contacts(profile.pedal.device), profile,
-                      find_key_pedal(profile.pedal.device).where);
+                      find_key_pedal(profile.pedal.device, requests).where);
   std::string places;
-  for (const PedalWiring& pedal : pedal_wiring(profile)) {
-    for (const ContactRequest* request : {&pedal.closes, pedal.opens ? &*pedal.opens : nullptr}) {
-      if (request == nullptr) continue;
-      const ContactReport report = find_gpio_line(request->name);
-      places += (places.empty() ? "" : ", ") + request->name +
-                (report.found ? " is " + report.where : std::string(" is nowhere"));
-    }
+  for (const ContactRequest& request : requests) {
+    const ContactReport report = find_gpio_line(request.name);
+    places += (places.empty() ? "" : ", ") + request.name +
+              (report.found ? " is " + report.where : std::string(" is nowhere"));
   }
   return pedal_line(*gpio_contacts(), profile, places);
 }

@@ -131,11 +131,7 @@ CheckLine video_line(VideoDevice& device, const Profile& profile) {
 CheckLine pedal_line(ContactSource& contacts, const Profile& profile, const std::string& where) {
   const bool usb = profile.pedal.wired == "usb";
   const auto wiring = pedal_wiring(profile);
-  std::vector<ContactRequest> requests;
-  for (const PedalWiring& pedal : wiring) {
-    requests.push_back(pedal.closes);
-    if (pedal.opens) requests.push_back(*pedal.opens);
-  }
+  const std::vector<ContactRequest> requests = contact_requests(wiring);
   const std::string what = where.empty() ? "no USB pedal" : where;
   switch (contacts.open(requests)) {
     case ContactStatus::ok:

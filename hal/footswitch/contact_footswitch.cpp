@@ -30,15 +30,25 @@ const char* sentence(ContactStatus why) {
 
 }  // namespace
 
+std::vector<ContactRequest> contact_requests(std::span<const PedalWiring> pedals) {
+  std::vector<ContactRequest> requests;
+  for (const PedalWiring& pedal : pedals) {
+    requests.push_back(pedal.closes);
+    if (pedal.opens) requests.push_back(*pedal.opens);
+  }
+  return requests;
+}
+
 ContactFootswitch::ContactFootswitch(std::unique_ptr<ContactSource> contacts, Clock& clock,
                                      std::vector<PedalWiring> pedals)
-    : source_(std::move(contacts)), clock_(clock), wiring_(std::move(pedals)) {
+    : source_(std::move(contacts)),
+      clock_(clock),
+      wiring_(std::move(pedals)),
+      requests_(contact_requests(wiring_)) {
   assert(!wiring_.empty() && wiring_.size() <= most_pedals);
   for (std::size_t p = 0; p < wiring_.size(); ++p) {
-    requests_.push_back(wiring_[p].closes);
     contacts_.push_back({.pedal = p, .opens = false, .active = false, .sequence = {}});
     if (!wiring_[p].opens) continue;
-    requests_.push_back(*wiring_[p].opens);
     contacts_.push_back({.pedal = p, .opens = true, .active = false, .sequence = {}});
   }
   pedals_.resize(wiring_.size());

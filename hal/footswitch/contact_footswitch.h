@@ -27,6 +27,9 @@ struct PedalWiring {
   std::optional<ContactRequest> opens;  // NC
 };
 
+// In the order that ContactFootswitch opens them: pedal by pedal, NO before NC.
+std::vector<ContactRequest> contact_requests(std::span<const PedalWiring> pedals);
+
 class ContactFootswitch final : public Footswitch {
  public:
   // At most four pedals. `clock` outlives it.

@@ -12,17 +12,14 @@
 #include <ctime>
 #include <vector>
 
+#include "hal/event_devices.h"
+
 namespace sonoband {
 namespace {
 
-struct UsbId {
-  int vendor;
-  int product;
-};
 // PCsensor, Scythe and VEC Infinity pedals.
-constexpr UsbId pedals[] = {{0x0c45, 0x7403}, {0x0c45, 0x7404}, {0x413d, 0x2107}, {0x1a86, 0xe026},
-                            {0x3553, 0xb001}, {0x0426, 0x3011}, {0x055a, 0x0998}, {0x05f3, 0x00ff}};
-constexpr int last_event_device = 63;
+constexpr PedalUsbId pedals[] = {{0x0c45, 0x7403}, {0x0c45, 0x7404}, {0x413d, 0x2107}, {0x1a86, 0xe026},
+                                 {0x3553, 0xb001}, {0x0426, 0x3011}, {0x055a, 0x0998}, {0x05f3, 0x00ff}};
 
 class Keys final : public ContactSource {
  public:
@@ -31,15 +28,8 @@ class Keys final : public ContactSource {
 
   ContactStatus open(std::span<const ContactRequest> contacts) override {
     close();
-    const ContactStatus found = find();
+    const ContactStatus found = find(contacts);
     if (found != ContactStatus::ok) return found;
-    codes_.clear();
-    for (const ContactRequest& request : contacts) {
-      const int code = libevdev_event_code_from_name(EV_KEY, request.name.c_str());
-      if (code < 0 || libevdev_has_event_code(keys_, EV_KEY, static_cast<unsigned>(code)) == 0)
-        return close(), ContactStatus::no_such_line;
-      codes_.push_back({code, request.active_low});
-    }
     if (libevdev_grab(keys_, LIBEVDEV_GRAB) != 0) return close(), ContactStatus::busy;
     libevdev_set_clock_id(keys_, CLOCK_MONOTONIC);
     return ContactStatus::ok;
@@ -94,11 +84,11 @@ class Keys final : public ContactSource {
 
   const std::string& path() const { return path_; }
 
-  ContactStatus find() {
-    if (device_ != "auto") return try_path(device_, false);
+  ContactStatus find(std::span<const ContactRequest> contacts) {
+    if (device_ != "auto") return try_path(device_, contacts, false);
     ContactStatus best = ContactStatus::no_such_line;
-    for (int n = 0; n <= last_event_device; ++n) {
-      const ContactStatus status = try_path("/dev/input/event" + std::to_string(n), true);
+    for (const std::string& path : event_devices()) {
+      const ContactStatus status = try_path(path, contacts, true);
       if (status == ContactStatus::ok) return status;
       if (status == ContactStatus::access_denied) best = status;
     }
@@ -111,7 +101,17 @@ class Keys final : public ContactSource {
     bool inverted;
   };
 
-  ContactStatus try_path(const std::string& path, bool known_only) {
+  bool has_keys(std::span<const ContactRequest> contacts) {
+    codes_.clear();
+    for (const ContactRequest& request : contacts) {
+      const int code = libevdev_event_code_from_name(EV_KEY, request.name.c_str());
+      if (code < 0 || libevdev_has_event_code(keys_, EV_KEY, static_cast<unsigned>(code)) == 0) return false;
+      codes_.push_back({code, request.active_low});
+    }
+    return true;
+  }
+
+  ContactStatus try_path(const std::string& path, std::span<const ContactRequest> contacts, bool known_only) {
     fd_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (fd_ < 0)
       return errno == EACCES || errno == EPERM ? ContactStatus::access_denied : ContactStatus::no_such_line;
@@ -121,10 +121,10 @@ class Keys final : public ContactSource {
     }
     const int vendor = libevdev_get_id_vendor(keys_);
     const int product = libevdev_get_id_product(keys_);
-    const bool known = std::any_of(std::begin(pedals), std::end(pedals), [&](const UsbId& id) {
+    const bool known = std::any_of(std::begin(pedals), std::end(pedals), [&](const PedalUsbId& id) {
       return id.vendor == vendor && id.product == product;
     });
-    if (known_only && !known) return close(), ContactStatus::no_such_line;
+    if ((known_only && !known) || !has_keys(contacts)) return close(), ContactStatus::no_such_line;
     path_ = path;
     return ContactStatus::ok;
   }
@@ -138,13 +138,17 @@ class Keys final : public ContactSource {
 
 }  // namespace
 
+std::span<const PedalUsbId> known_pedals() {
+  return pedals;
+}
+
 std::unique_ptr<ContactSource> key_contacts(std::string device) {
   return std::make_unique<Keys>(std::move(device));
 }
 
-ContactReport find_key_pedal(const std::string& device) {
+ContactReport find_key_pedal(const std::string& device, std::span<const ContactRequest> contacts) {
   Keys keys(device);
-  if (keys.find() != ContactStatus::ok) return {};
+  if (keys.find(contacts) != ContactStatus::ok) return {};
   return {true, keys.path()};
 }
 

@@ -1,6 +1,5 @@
 #include "hal/touch/evdev_port.h"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <libevdev/libevdev.h>
 #include <poll.h>
@@ -14,6 +13,8 @@
 #include <fstream>
 #include <ios>
 #include <vector>
+
+#include "hal/event_devices.h"
 
 namespace sonoband {
 namespace {
@@ -31,23 +32,6 @@ bool is_touchscreen(const libevdev* device) {
                       (has(device, EV_ABS, ABS_X) && has(device, EV_KEY, BTN_TOUCH));
   return places && libevdev_has_property(device, INPUT_PROP_DIRECT) != 0 &&
          !has(device, EV_KEY, BTN_TOOL_PEN);
-}
-
-// Event device files, in the kernel's order.
-std::vector<std::string> event_devices() {
-  std::vector<std::string> paths;
-  const std::string folder = "/dev/input/";
-  DIR* all = opendir(folder.c_str());
-  if (all == nullptr) return paths;
-  while (const dirent* entry = readdir(all)) {
-    const std::string name = entry->d_name;
-    if (name.starts_with("event")) paths.push_back(folder + name);
-  }
-  closedir(all);
-  std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
-    return a.size() != b.size() ? a.size() < b.size() : a < b;
-  });
-  return paths;
 }
 
 // Of a device that may not be opened the kernel still says whether it lies on a display.

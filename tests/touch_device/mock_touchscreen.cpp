@@ -28,6 +28,8 @@ namespace {
 constexpr std::array<int, 4> places = {ABS_MT_POSITION_X, ABS_MT_POSITION_Y, ABS_MT_TRACKING_ID,
                                        ABS_MT_TOUCH_MAJOR};
 
+constexpr const char* mouse_path = "/dev/input/event4";
+
 using Bytes = std::vector<std::uint8_t>;
 
 void set_bit(Bytes& bits, int bit) {
@@ -47,6 +49,7 @@ Bytes capabilities(const MockSettings& settings, unsigned type, std::size_t size
   if (type == 0)
     for (const int t : {EV_SYN, EV_KEY, EV_ABS}) set_bit(bits, t);
   if (type == EV_KEY) set_bit(bits, BTN_TOUCH);
+  if (type == EV_KEY && settings.key) set_bit(bits, *settings.key);
   if (type == EV_ABS) {
     for (const int code : places) set_bit(bits, code);
     for (const int code : {ABS_X, ABS_Y}) set_bit(bits, code);
@@ -91,7 +94,8 @@ int answer(MockTouchscreen::State& state, unsigned long request, Bytes& data) {
   const unsigned nr = _IOC_NR(request);
   if (_IOC_TYPE(request) != 'E') return -ENOTTY;
   if (request == EVIOCGVERSION) data = bytes_of(EV_VERSION, data.size());
-  if (request == EVIOCGID) data = bytes_of(input_id{BUS_USB, 0x222a, 1, 0x110}, data.size());
+  if (request == EVIOCGID)
+    data = bytes_of(input_id{BUS_USB, settings.vendor, settings.product, 0x110}, data.size());
   if (nr == _IOC_NR(EVIOCGNAME(0))) {
     constexpr char name[] = "Mock panel";
     data = bytes_of(name, data.size());
@@ -155,9 +159,26 @@ MockTouchscreen::MockTouchscreen(const MockSettings& settings) : state_(std::mak
   if (umockdev_testbed_attach_ioctl(state_->bed, path, state_->ioctls, &error) == FALSE)
     throw std::runtime_error(std::string("umockdev attaches no ioctls: ") + error->message);
   state_->fd = umockdev_testbed_get_dev_fd(state_->bed, path);
+  if (!settings.with_mouse) return;
+  constexpr char mouse[] =
+      "P: /devices/event4\nN: input/event4\nE: DEVNAME=/dev/input/event4\nE: SUBSYSTEM=input\nA: "
+      "dev=13:68\n\n";
+  if (umockdev_testbed_add_from_string(state_->bed, mouse, &error) == FALSE)
+    throw std::runtime_error(std::string("umockdev makes no mouse: ") + error->message);
+  mouse_ = std::make_unique<State>();
+  mouse_->settings = settings;
+  mouse_->settings.key.reset();
+  mouse_->ioctls = umockdev_ioctl_base_new();
+  g_signal_connect(mouse_->ioctls, "handle-ioctl", G_CALLBACK(on_ioctl), mouse_.get());
+  if (umockdev_testbed_attach_ioctl(state_->bed, mouse_path, mouse_->ioctls, &error) == FALSE)
+    throw std::runtime_error(std::string("umockdev attaches no ioctls: ") + error->message);
 }
 
 MockTouchscreen::~MockTouchscreen() {
+  if (mouse_) {
+    umockdev_testbed_detach_ioctl(state_->bed, mouse_path, nullptr);
+    g_object_unref(mouse_->ioctls);
+  }
   umockdev_testbed_detach_ioctl(state_->bed, path, nullptr);
   g_object_unref(state_->ioctls);
   g_object_unref(state_->bed);
@@ -187,6 +208,10 @@ void MockTouchscreen::unplug() {
 
 bool MockTouchscreen::was_grabbed() const {
   return state_->grabbed;
+}
+
+bool MockTouchscreen::mouse_was_grabbed() const {
+  return mouse_ && mouse_->grabbed;
 }
 
 bool MockTouchscreen::clock_was_set() const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hal/touch/touch_port.h"
@@ -22,6 +23,10 @@ struct MockSettings {
   bool slots = true;      // protocol B
   bool grabbed = false;   // by another program
   std::int32_t slot = 0;  // that the kernel's next events speak of
+  std::uint16_t vendor = 0x222a;
+  std::uint16_t product = 1;
+  std::optional<int> key;   // a pedal's beside the panel's
+  bool with_mouse = false;  // /dev/input/event4 is of the same USB device, and has no key of its own
   std::array<MockSlot, 5> at_start{};
 };
 
@@ -38,12 +43,14 @@ class MockTouchscreen {
   void unplug();
   // What the driver asked for.
   bool was_grabbed() const;
+  bool mouse_was_grabbed() const;
   bool clock_was_set() const;
 
   struct State;
 
  private:
   std::unique_ptr<State> state_;
+  std::unique_ptr<State> mouse_;
 };
 
 }  // namespace sonoband::test
