@@ -107,7 +107,12 @@ void BandPainter::take_group() {
   const bool ends = !cells_.reaches.empty();
   const int count = static_cast<int>(cells_.boundaries.size()) - 1;
   std::array<std::uint8_t, group_patches> at_edge;
+  const auto ask = [&](std::size_t cell) {
+    if (cell < cells_.members.size() && !tile_.parts_to_turn()) tile_.ask(cells_.members[cell]);
+  };
+  for (std::size_t cell = 0; cell < cells_ahead; ++cell) ask(cell);
   for (int cell = 0; cell < count; ++cell) {
+    ask(cell + cells_ahead);
     const int found = patch_kernels().take_cell(cells_.frames[cell], cells_.boundaries.data() + cell, ends,
                                                 rule_, group_, at_edge.data());
     for (int i = 0; i < found; ++i) edges_[at_edge[i]].push_back(cell);
@@ -135,7 +140,7 @@ void BandPainter::paint_group() {
 void BandPainter::paint_chain(const Lattice& lattice, const LatticeBlock& region, const SampleBox& box,
                               const std::vector<Candidate>& candidates, const Chain& chain) {
   lay_out(lattice, tile_, chain, candidates, box, 0, interpolation(), cells_);
-  if (!linear_ && !apart() && patch_kernels().take_cell != nullptr) {
+  if (takes_cells()) {
     group_.count = 0;
     for_patches(region, [&](const PatchSite& site) {
       group_.add(site);

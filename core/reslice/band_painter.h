@@ -9,6 +9,7 @@
 #include "core/reslice/chain_cells.h"
 #include "core/reslice/chain_ends.h"
 #include "core/reslice/chain_walk.h"
+#include "core/reslice/patch_kernels.h"
 #include "core/reslice/patch_totals.h"
 #include "core/reslice/tile.h"
 #include "core/reslice/winners.h"
@@ -66,6 +67,8 @@ class BandPainter {
   bool find_chain(const std::vector<Candidate>& candidates, const SampleBox& box, Chain& chain) const;
   // Chains may be taken whose pictures end.
   bool may_end() const { return !linear_ && !apart(); }
+  // A chain's frames are taken one after another, each in all patches of a tile.
+  bool takes_cells() const { return !linear_ && !apart() && patch_kernels().take_cell != nullptr; }
   // What a tile's, or a patch's, frames are of.
   const FrameTable& table() const { return *tile_.table; }
   // Those that may matter to a box, ascending.

@@ -29,6 +29,12 @@ bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& rea
   // Layers kept apart are stored by rectangles, and so are patches of bands that come in pieces; for the few
   // layers of a block turning a frame costs more than it saves.
   tile.open(lattice, interpolation(), !apart() && lattice.layers <= patch_layers);
+  if (tile.is_chain && takes_cells() && !tile.parts_to_turn()) {
+    const auto& members = tile.chain.members;
+    for (std::size_t m = 0; m < std::min(members.size(), cells_ahead); ++m) tile.ask(members[m]);
+  } else {
+    for (std::size_t c = 0; c < tile.candidates.size(); ++c) tile.ask(c);
+  }
   return true;
 }
 

@@ -84,6 +84,15 @@ void Tile::place_frames(const Lattice& lattice, int a, int b) {
   }
 }
 
+void Tile::ask(std::size_t c) const {
+  const FrameEntry& f = table->frames[candidates[c].frame];
+  if (turned_kept) {
+    prefetch(turned_entry(f), turned_part(parts[c]));
+  } else {
+    prefetch(f, parts[c]);
+  }
+}
+
 void Tile::make_patches(const Lattice& lattice, int taps) {
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const FrameEntry& f = table->frames[candidates[c].frame];
@@ -177,13 +186,7 @@ void Tile::open(const Lattice& lattice, Interpolation interpolation, bool may_re
                   return table->frames[c.frame].turned != nullptr;
                 });
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const FrameEntry& f = table->frames[candidates[c].frame];
-    if (turned_kept) {
-      prefetch(turned_entry(f), turned_part(parts[c]));
-      turn_positions(frames[c].at);
-    } else {
-      prefetch(f, parts[c]);
-    }
+    if (turned_kept) turn_positions(frames[c].at);
   }
   if (parts_to_turn()) {
     turned_parts.clear();

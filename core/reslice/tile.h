@@ -35,6 +35,10 @@ struct LeftOut {
   }
 };
 
+// So many frames before a chain's frame is taken its pixels are asked for: memory answers meanwhile, and what
+// it gives is still near.
+constexpr std::size_t cells_ahead = 2;
+
 struct Tile {
   const FrameTable* table = nullptr;  // what candidates are of
   LatticeBlock block;
@@ -57,10 +61,11 @@ struct Tile {
             Interpolation interpolation, bool may_end, int a, int b, const TileSize& size = {});
   // Thins a chain by the rule of chain.h.
   void thin(Interpolation interpolation, const OutputPixel& pixel, LeftOut& count);
-  // Makes what patches share of the candidates, and asks for their pixels. Where
-  // parts_to_turn, turned_parts are to be turned before a patch is painted: by then the pixels are there.
-  // `may_reshape`: patches may be sheared and frames turned.
+  // Makes what patches share of the candidates. Where parts_to_turn, turned_parts are to be turned before a
+  // patch is painted. `may_reshape`: patches may be sheared and frames turned.
   void open(const Lattice& lattice, Interpolation interpolation, bool may_reshape);
+  // Asks for a candidate's pixels, well before they are turned or taken.
+  void ask(std::size_t c) const;
   bool parts_to_turn() const { return turned && !turned_kept; }
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
