@@ -21,9 +21,9 @@ namespace HWY_NAMESPACE {
 struct CellLayers {
   alignas(64) std::int32_t low[16], high[16];
 
-  // Bit i: patch i has any.
-  HWY_ATTR __mmask16 find(const ChainBoundary& from, const ChainBoundary& to, const PatchGroup& group,
-                          int patch) {
+  // Bit i: patch i has any. Not by a compare's mask: g++ 12 may spill its 16 bits and read 32 of them.
+  HWY_ATTR std::uint32_t find(const ChainBoundary& from, const ChainBoundary& to, const PatchGroup& group,
+                              int patch) {
     const PatchSite& site = group.sites[patch];
     const __m512i first = _mm512_set1_epi32(site.first), depth = _mm512_set1_epi32(site.depth);
     const __m512 da = _mm512_load_ps(group.da.data() + patch), db = _mm512_load_ps(group.db.data() + patch);
@@ -46,7 +46,8 @@ struct CellLayers {
     }
     _mm512_store_si512(low, l);
     _mm512_store_si512(high, h);
-    return _mm512_cmplt_epi32_mask(l, h);
+    const __m512i some = _mm512_srai_epi32(_mm512_sub_epi32(l, h), 31);
+    return static_cast<std::uint32_t>(_mm_movemask_epi8(_mm512_cvtepi32_epi8(some)));
   }
 
  private:
