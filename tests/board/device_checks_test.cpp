@@ -66,7 +66,7 @@ class CheckOfTheVideo : public ::testing::Test {
     profile.capture.device = "/dev/video7";
   }
   std::string said() {
-    const std::string text = text_of(video_line(device, profile));
+    std::string text = text_of(video_line(device, profile));
     EXPECT_FALSE(device.is_open);
     EXPECT_EQ(device.starts, 0);
     return text;
@@ -140,7 +140,7 @@ class CheckOfThePedal : public ::testing::Test {
  protected:
   std::string said(const std::string& where = "FOOTSWITCH_NO is gpiochip0 line 3") {
     test::pedal::FakeContacts contacts(wires, clock);
-    const std::string text = text_of(pedal_line(contacts, profile, where));
+    std::string text = text_of(pedal_line(contacts, profile, where));
     EXPECT_FALSE(wires.is_open);
     return text;
   }
