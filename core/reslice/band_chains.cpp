@@ -107,14 +107,16 @@ void BandPainter::take_group() {
   const bool ends = !cells_.reaches.empty();
   const int count = static_cast<int>(cells_.boundaries.size()) - 1;
   std::array<std::uint8_t, group_patches> at_edge;
-  const auto ask = [&](std::size_t cell) {
-    if (cell < cells_.members.size() && !tile_.parts_to_turn()) tile_.ask(cells_.members[cell]);
+  const auto rows = [&](std::size_t cell) {
+    const bool asked = cell < cells_.members.size() && !tile_.parts_to_turn();
+    return asked ? tile_.rows_of(cells_.members[cell]) : RowsAhead{};
   };
-  for (std::size_t cell = 0; cell < cells_ahead; ++cell) ask(cell);
+  for (std::size_t cell = 0; cell < cells_ahead; ++cell) rows(cell).ask(all_rows);
   for (int cell = 0; cell < count; ++cell) {
-    ask(cell + cells_ahead);
+    group_.ahead = rows(cell + cells_ahead);
     const int found = patch_kernels().take_cell(cells_.frames[cell], cells_.boundaries.data() + cell, ends,
                                                 rule_, group_, at_edge.data());
+    group_.ahead.ask(all_rows);
     for (int i = 0; i < found; ++i) edges_[at_edge[i]].push_back(cell);
   }
 }

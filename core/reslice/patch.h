@@ -3,10 +3,12 @@
 // layers, so a patch needs of a frame one position per layer and one offset per lane.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/reslice/frame_table.h"
 #include "core/reslice/layer_block.h"
@@ -118,6 +120,20 @@ struct PatchSite {
   int first = 0;
 };
 
+// Rows of a picture that are still to be asked for: memory's answers overlap, where the kernels' loads would
+// come one by one.
+constexpr int all_rows = std::numeric_limits<int>::max();
+struct RowsAhead {
+  const std::uint8_t* row = nullptr;  // first pixel of the next
+  std::ptrdiff_t stride = 0;
+  int columns = 0, rows = 0;
+
+  void ask(int most) {
+    for (; most > 0 && rows > 0; --most, --rows, row += stride)
+      for (int x = 0; x < columns + 63; x += 64) __builtin_prefetch(row + std::min(x, columns - 1), 0, 2);
+  }
+};
+
 // Patches of a tile that a chain's cells are taken in, cell after cell.
 constexpr int group_patches = 128;
 struct alignas(64) PatchGroup {
@@ -125,6 +141,8 @@ struct alignas(64) PatchGroup {
   std::array<PatchSite, group_patches> sites;           // all of the same layers
   std::array<PatchSums, group_patches> sums;
   int count = 0;
+  RowsAhead ahead;  // of a frame soon to be taken, some with each patch: asked for all at once they would be
+                    // waited for
 
   void add(const PatchSite& site) {
     da[count] = static_cast<float>(site.da);

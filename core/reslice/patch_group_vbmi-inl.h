@@ -70,6 +70,8 @@ struct CellLayers {
   }
 };
 
+constexpr int rows_with_a_patch = 4;
+
 template <Rule rule, class FetchLanes>
 HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary* boundaries, bool ends,
                                        PatchGroup& group, std::uint8_t* at_edge) {
@@ -103,6 +105,7 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
       gathered.count(lanes.length);
       take_layers(fetch, f, positions.x, positions.y, lanes, range, gathered);
       gathered.gathered.store();
+      group.ahead.ask(rows_with_a_patch);
     }
   }
   return edges;

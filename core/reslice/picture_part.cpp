@@ -55,15 +55,12 @@ PicturePart part_within(double reach_mm, const FrameEntry& frame, const Candidat
   return {first(left), last(right), first(top), last(bottom)};
 }
 
-void prefetch(const FrameEntry& frame, const PicturePart& part) {
+RowsAhead rows_ahead(const FrameEntry& frame, const PicturePart& part) {
   const int left = std::clamp(part.left + 2, 0, frame.width - 1);
   const int right = std::clamp(part.right - 2, 0, frame.width - 1);
   const int top = std::clamp(part.top + 2, 0, frame.height - 1);
   const int bottom = std::clamp(part.bottom - 2, 0, frame.height - 1);
-  for (int y = top; y <= bottom; ++y) {
-    const std::uint8_t* row = frame.pixels + y * frame.stride;
-    for (int x = left; x < right + 64; x += 64) __builtin_prefetch(row + std::min(x, right), 0, 2);
-  }
+  return {frame.pixels + top * frame.stride + left, frame.stride, right - left + 1, bottom - top + 1};
 }
 
 std::vector<double> chain_reaches(const FrameTable& table, const std::vector<Candidate>& candidates,

@@ -23,8 +23,7 @@ struct PicturePart {
 PicturePart part_within(double reach_mm, const FrameEntry& frame, const Candidate& candidate,
                         const Lattice& lattice, const LatticeBlock& tile, const ChainFrame& at);
 
-// Asks for the pixels: the memory's answers overlap, where the kernels' would come one by one.
-void prefetch(const FrameEntry& frame, const PicturePart& part);
+RowsAhead rows_ahead(const FrameEntry& frame, const PicturePart& part);
 
 // How far a candidate of a chain may be from the samples that take it, in mm: half the widest gaps beside it,
 // or with blends all of them; at an end of the chain its own reach. By candidate.

@@ -84,13 +84,9 @@ void Tile::place_frames(const Lattice& lattice, int a, int b) {
   }
 }
 
-void Tile::ask(std::size_t c) const {
+RowsAhead Tile::rows_of(std::size_t c) const {
   const FrameEntry& f = table->frames[candidates[c].frame];
-  if (turned_kept) {
-    prefetch(turned_entry(f), turned_part(parts[c]));
-  } else {
-    prefetch(f, parts[c]);
-  }
+  return turned_kept ? rows_ahead(turned_entry(f), turned_part(parts[c])) : rows_ahead(f, parts[c]);
 }
 
 void Tile::make_patches(const Lattice& lattice, int taps) {

@@ -64,8 +64,8 @@ struct Tile {
   // Makes what patches share of the candidates. Where parts_to_turn, turned_parts are to be turned before a
   // patch is painted. `may_reshape`: patches may be sheared and frames turned.
   void open(const Lattice& lattice, Interpolation interpolation, bool may_reshape);
-  // Asks for a candidate's pixels, well before they are turned or taken.
-  void ask(std::size_t c) const;
+  // A candidate's pixels, to be asked for well before they are turned or taken.
+  RowsAhead rows_of(std::size_t c) const;
   bool parts_to_turn() const { return turned && !turned_kept; }
   // Place of a frame among the candidates; it must be one.
   int index_of(int frame) const;
