@@ -111,12 +111,12 @@ void BandPainter::take_group() {
     const bool asked = cell < cells_.members.size() && !tile_.parts_to_turn();
     return asked ? tile_.rows_of(cells_.members[cell]) : RowsAhead{};
   };
-  for (std::size_t cell = 0; cell < cells_ahead; ++cell) rows(cell).ask(all_rows);
+  for (std::size_t cell = 0; cell < cells_ahead; ++cell) rows(cell).ask_all();
   for (int cell = 0; cell < count; ++cell) {
     group_.ahead = rows(cell + cells_ahead);
     const int found = patch_kernels().take_cell(cells_.frames[cell], cells_.boundaries.data() + cell, ends,
                                                 rule_, group_, at_edge.data());
-    group_.ahead.ask(all_rows);
+    group_.ahead.ask_all();
     for (int i = 0; i < found; ++i) edges_[at_edge[i]].push_back(cell);
   }
 }

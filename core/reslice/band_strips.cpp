@@ -32,9 +32,9 @@ bool BandPainter::open_tile(Tile& tile, const Lattice& lattice, const Reach& rea
   if (tile.is_chain && takes_cells() && !tile.parts_to_turn()) {
     const auto& members = tile.chain.members;
     for (std::size_t m = 0; m < std::min(members.size(), cells_ahead); ++m)
-      tile.rows_of(members[m]).ask(all_rows);
+      tile.rows_of(members[m]).ask_all();
   } else {
-    for (std::size_t c = 0; c < tile.candidates.size(); ++c) tile.rows_of(c).ask(all_rows);
+    for (std::size_t c = 0; c < tile.candidates.size(); ++c) tile.rows_of(c).ask_all();
   }
   return true;
 }

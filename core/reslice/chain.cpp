@@ -29,8 +29,12 @@ bool follow_one_another(const FrameTable& table, std::span<const Candidate> cand
   chain.unblended = false;
   chain.members.resize(candidates.size());
   std::iota(chain.members.begin(), chain.members.end(), 0);
-  std::sort(chain.members.begin(), chain.members.end(),
-            [&](int a, int b) { return candidates[a].z_centre > candidates[b].z_centre; });
+  // A sweep goes one way but for its turns.
+  if (candidates.front().z_centre < candidates.back().z_centre)
+    std::reverse(chain.members.begin(), chain.members.end());
+  const auto farther = [&](int a, int b) { return candidates[a].z_centre > candidates[b].z_centre; };
+  if (!std::is_sorted(chain.members.begin(), chain.members.end(), farther))
+    std::sort(chain.members.begin(), chain.members.end(), farther);
   const auto member = [&](std::size_t i) -> const Candidate& { return candidates[chain.members[i]]; };
   const auto reach = [&](const Candidate& c) { return table.frames[c.frame].gap_mm; };
   double greatest_reach = 0;

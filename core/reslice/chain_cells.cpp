@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/reslice/patch_kernels.h"
@@ -124,6 +125,7 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
   cells.frames.clear();
   cells.distances.clear();
   cells.reaches.clear();
+  cells.by_capture.clear();
   cells.shares.clear();
   cells.boundaries.clear();
   cells.grey_taps = linear && table.kind == PixelKind::grey;
@@ -163,6 +165,12 @@ void lay_out(const Lattice& lattice, const Tile& tile, const Chain& chain,
           layout.boundary({before.gradient + mm.gradient,
                            before.offset + mm.offset + (later ? float_tie_mm : -float_tie_mm)}));
     }
+  }
+  if (!cells.reaches.empty()) {
+    cells.by_capture.resize(members);
+    std::iota(cells.by_capture.begin(), cells.by_capture.end(), 0);
+    std::sort(cells.by_capture.begin(), cells.by_capture.end(),
+              [&](int a, int b) { return cells.members[a] < cells.members[b]; });
   }
   cells.boundaries.push_back(chain.last_ends ? layout.boundary(plus(z(members - 1), -reach(members - 1)))
                                              : never);

@@ -15,6 +15,7 @@ struct ChainCells {
   std::vector<ChainFrame> frames;         // theirs
   std::vector<TileDistance> distances;    // theirs; of blends and of chains whose pictures end
   std::vector<float> reaches;             // theirs, in mm; of chains whose pictures end
+  std::vector<int> by_capture;            // cells in order of capture; of chains whose pictures end
   std::vector<ChainShare> shares;         // between neighbours; of blends only
   std::vector<ChainBoundary> boundaries;  // one more than cells
   bool grey_taps = false;                 // linear only: all taps are grey and kept by the mask

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "core/reslice/chain_walk.h"
 #include "core/reslice/patch_kernels.h"
@@ -106,11 +105,7 @@ void ChainEnds::hand_over(const ChainCells& cells, const LaneGrid& grid, const P
   if (any == 0) return;
   given_.fill(0);
   share_count_ = 0;
-  by_capture_.resize(cells.members.size());
-  std::iota(by_capture_.begin(), by_capture_.end(), 0);
-  std::sort(by_capture_.begin(), by_capture_.end(),
-            [&](int a, int b) { return cells.members[a] < cells.members[b]; });
-  for (const int member : by_capture_) claim(cells, grid, site, member);
+  for (const int member : cells.by_capture) claim(cells, grid, site, member);
   for (std::size_t i = 0; i < share_count_; ++i) {
     const Share& share = shares_[i];
     patch_kernels().take(*cells.frames[share.member].frame, share.x.data(), share.y.data(),

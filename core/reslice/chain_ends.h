@@ -35,7 +35,6 @@ class ChainEnds {
   std::array<std::array<std::uint16_t, patch_lanes>, patch_layers> share_of_;
   std::vector<Share> shares_;  // the first `share_count_` count
   std::size_t share_count_ = 0;
-  std::vector<int> by_capture_;
 };
 
 }  // namespace sonoband

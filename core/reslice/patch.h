@@ -3,12 +3,10 @@
 // layers, so a patch needs of a frame one position per layer and one offset per lane.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "core/reslice/frame_table.h"
 #include "core/reslice/layer_block.h"
@@ -122,15 +120,20 @@ struct PatchSite {
 
 // Rows of a picture that are still to be asked for: memory's answers overlap, where the kernels' loads would
 // come one by one.
-constexpr int all_rows = std::numeric_limits<int>::max();
 struct RowsAhead {
   const std::uint8_t* row = nullptr;  // first pixel of the next
   std::ptrdiff_t stride = 0;
   int columns = 0, rows = 0;
 
-  void ask(int most) {
-    for (; most > 0 && rows > 0; --most, --rows, row += stride)
-      for (int x = 0; x < columns + 63; x += 64) __builtin_prefetch(row + std::min(x, columns - 1), 0, 2);
+  void ask() {
+    if (rows <= 0) return;
+    for (int x = 0; x < columns; x += 64) __builtin_prefetch(row + x);
+    __builtin_prefetch(row + columns - 1);
+    row += stride;
+    --rows;
+  }
+  void ask_all() {
+    while (rows > 0) ask();
   }
 };
 

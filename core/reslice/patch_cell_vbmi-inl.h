@@ -131,10 +131,16 @@ struct LaneLayers {
   __m512i first, length;
 };
 
+// Nothing to ask of memory.
+struct NothingAhead {
+  HWY_ATTR HWY_INLINE void ask() {}
+};
+
 // The pixels of layers range.low .. range.high - 1 that are a lane's.
-template <class FetchLanes, class To>
+template <class FetchLanes, class Ahead, class To>
 HWY_ATTR HWY_INLINE void take_layers(FetchLanes& fetch, const ChainFrame& f, FixedPx x, FixedPx y,
-                                     const LaneLayers& layers, const LayerRange& range, To& to) {
+                                     const LaneLayers& layers, const LayerRange& range, Ahead& ahead,
+                                     To& to) {
   const FixedPx x_per_layer = f.x_per_layer, y_per_layer = f.y_per_layer;
   const __m512i one = _mm512_set1_epi8(1), length = layers.length;
   __m512i since = _mm512_sub_epi8(_mm512_set1_epi8(static_cast<char>(range.low)), layers.first);
@@ -142,6 +148,7 @@ HWY_ATTR HWY_INLINE void take_layers(FetchLanes& fetch, const ChainFrame& f, Fix
   for (int l = range.low; l < last; ++l, x += x_per_layer, y += y_per_layer) {
     const __mmask64 m = _mm512_cmplt_epu8_mask(since, length);
     since = _mm512_add_epi8(since, one);
+    ahead.ask();
     to.put(l, m, fetch.at(x, y));
   }
 }

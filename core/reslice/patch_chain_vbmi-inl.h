@@ -219,7 +219,8 @@ HWY_ATTR HWY_NOINLINE bool take_inner_by(const ChainFrame& f, const PatchSite& s
   const LaneLayers layers = layers_between(from, to, site, range);
   own.count(layers.length);
   FetchLanes fetch(f);
-  take_layers(fetch, f, at.x, at.y, layers, range, own);
+  NothingAhead nothing;
+  take_layers(fetch, f, at.x, at.y, layers, range, nothing, own);
   gathered = own;
   return true;
 }

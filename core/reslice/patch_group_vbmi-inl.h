@@ -70,13 +70,12 @@ struct CellLayers {
   }
 };
 
-constexpr int rows_with_a_patch = 4;
-
 template <Rule rule, class FetchLanes>
 HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary* boundaries, bool ends,
                                        PatchGroup& group, std::uint8_t* at_edge) {
   const ChainBoundary from = boundaries[0], to = boundaries[1];
   FetchLanes fetch(f);
+  RowsAhead ahead = group.ahead;
   CellLayers layers;
   Condition begin, end;
   begin.always();
@@ -103,11 +102,11 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
       ToSums<rule> gathered(group.sums[at]);
       const LaneLayers lanes = layers_between(begin, end, site, range);
       gathered.count(lanes.length);
-      take_layers(fetch, f, positions.x, positions.y, lanes, range, gathered);
+      take_layers(fetch, f, positions.x, positions.y, lanes, range, ahead, gathered);
       gathered.gathered.store();
-      group.ahead.ask(rows_with_a_patch);
     }
   }
+  group.ahead = ahead;
   return edges;
 }
 
