@@ -11,7 +11,7 @@
 namespace sonoband {
 namespace {
 
-constexpr int strip_tiles = 4;  // painted by one thread in turn
+constexpr int strip_area = 4 * 64 * 64;  // pixels, painted by one thread in turn
 constexpr TileSize layer_tile;
 constexpr int layer_strip_pixels = 2 * layer_tile.across;
 
@@ -112,7 +112,7 @@ BandImage paint_tiles(const FrameTable& table, const Lattice& lattice, const Ren
   }
   const Lattice own = in_own_coordinates(lattice);
   const TileSize size = tile_size(seen, lattice.layers, settings.interpolation);
-  const int strip_pixels = strip_tiles * size.across;
+  const int strip_pixels = std::max(size.across, strip_area / size.down);
   const int across = (lattice.samples + strip_pixels - 1) / strip_pixels;
   const int down = (lattice.rows + size.down - 1) / size.down;
   struct Counts {
