@@ -23,6 +23,7 @@ struct PicturePart {
 PicturePart part_within(double reach_mm, const FrameEntry& frame, const Candidate& candidate,
                         const Lattice& lattice, const LatticeBlock& tile, const ChainFrame& at);
 
+// Its rows as far as they are the picture's, none of them asked for yet.
 RowsAhead rows_ahead(const FrameEntry& frame, const PicturePart& part);
 
 // How far a candidate of a chain may be from the samples that take it, in mm: half the widest gaps beside it,
