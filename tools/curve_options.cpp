@@ -6,11 +6,14 @@
 
 #include "app/bad_input.h"
 #include "app/exchange/text.h"
+#include "tools/argument_checks.h"
 #include "tools/plane_options.h"
 
 namespace sonoband::tools {
 
 namespace {
+
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets begin UTF-8 with it
 
 const std::map<std::string, FlowMethod>& methods() {
   static const std::map<std::string, FlowMethod> names{
@@ -24,11 +27,11 @@ std::shared_ptr<CurveOptions> add_curve_options(CLI::App& verb, const std::strin
   auto o = std::make_shared<CurveOptions>();
   verb.add_option(method_option, o->method,
                   "exact (default), route-map (the paper's fast one) or naive (normals, for teaching)")
-      ->transform(CLI::CheckedTransformer(methods()).description(""))
+      ->transform(one_of(methods()))
       ->group("Curve");
   verb.add_option("--smooth-px", o->smooth_px,
                   "Sigma of the smoothing along the curve, in rows (default 4; 0 leaves the curve as given)")
-      ->check(CLI::Range(0.0, max_smooth_px))
+      ->check(number_between(0, max_smooth_px))
       ->group("Curve");
   return o;
 }
@@ -49,6 +52,8 @@ std::vector<PlanePoint> curve_text(const std::string& text, const std::string& o
 }
 
 std::vector<PlanePoint> read_curve_csv(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path))
+    throw BadInput(path.string() + ": this is a folder; give a file of lines x,y in mm");
   std::ifstream file(path);
   if (!file) throw BadInput("cannot read " + path.string() + "; give a file of lines x,y in mm");
   std::vector<PlanePoint> points;
@@ -59,8 +64,10 @@ std::vector<PlanePoint> read_curve_csv(const std::filesystem::path& path) {
     const std::string place = path.string() + ":" + std::to_string(number) + ": ";
     if (status == exchange::LineStatus::too_long)
       throw BadInput(place + "the line has more than 4096 bytes; write one point x,y per line");
-    const std::string_view text = exchange::trim(line);
-    if (text.empty() || text.front() == '#' || (number == 1 && exchange::same_name(text, "x,y"))) continue;
+    std::string_view text = line;
+    if (number == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+    text = exchange::trim(text);
+    if (text.empty() || text.front() == '#' || (points.empty() && exchange::same_name(text, "x,y"))) continue;
     const std::size_t comma = std::min(text.find(','), text.size());
     const auto x = exchange::parse_number(exchange::trim(text.substr(0, comma)));
     const auto y =

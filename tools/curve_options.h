@@ -24,8 +24,8 @@ const char* name_of(FlowMethod method);
 // "x,y x,y ...", blanks between points. Throws CLI::ValidationError naming `option`.
 std::vector<PlanePoint> curve_text(const std::string& text, const std::string& option);
 
-// One point x,y per line; empty lines, lines that begin with # and a first line "x,y" do not count. Throws
-// BadInput naming the line.
+// One point x,y per line; empty lines, lines that begin with # and a line "x,y" before the points do not
+// count. Throws BadInput naming the line.
 std::vector<PlanePoint> read_curve_csv(const std::filesystem::path& path);
 
 // make_curve; four or more points of which the last is the first are a closed curve. Fault none: good.

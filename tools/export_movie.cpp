@@ -6,6 +6,7 @@
 #include "app/exchange/exam_turn.h"
 #include "app/exchange/file_beside.h"
 #include "app/workers.h"
+#include "tools/argument_checks.h"
 #include "tools/exam_verbs.h"
 
 namespace sonoband::tools {
@@ -64,7 +65,7 @@ std::shared_ptr<MovieOptions> add_movie_options(CLI::App& verb) {
       ->capture_default_str()
       ->group("Movie");
   verb.add_option("--per-second", o->pictures_per_second, "Pictures a second")
-      ->check(CLI::Range(1.0, 120.0))
+      ->check(number_between(1, 120))
       ->needs(turn)
       ->capture_default_str()
       ->group("Movie");

@@ -5,6 +5,7 @@
 
 #include "app/bad_input.h"
 #include "app/exchange/file_beside.h"
+#include "tools/argument_checks.h"
 #include "tools/curve_options.h"
 #include "tools/verbs.h"
 
@@ -51,6 +52,7 @@ void write(const CurveFlow& flow, const std::filesystem::path& path) {
 }
 
 void flow(const Options& options, const CurveOptions& curve_options) {
+  check_files_apart({{"--curve", options.curve}}, {{"--out", options.out}});
   const std::string file = options.curve.string();
   const CurveResult made = curve_of(read_curve_csv(options.curve), curve_options, options.step_mm);
   if (made.fault != CurveFault::none)
@@ -86,7 +88,7 @@ void add_flow(CLI::App& tool) {
       ->required();
   verb->add_option("--step-mm", options->step_mm, "Between layers, and between rulings along the curve")
       ->required()
-      ->check(CLI::Range(1e-4, 1e3));
+      ->check(number_between(1e-4, 1e3));
   verb->add_option("--layers", options->layers, "On each side")
       ->required()
       ->check(CLI::Range(0, max_flow_layers));

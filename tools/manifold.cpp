@@ -7,6 +7,7 @@
 #include "app/workers.h"
 #include "core/manifold/manifold_band.h"
 #include "hal/clock.h"
+#include "tools/argument_checks.h"
 #include "tools/curve_options.h"
 #include "tools/picture_output.h"
 #include "tools/render_options.h"
@@ -75,6 +76,7 @@ void manifold(const SweepOptions& sweep_options, const PlaneOptions& plane_optio
   check_plane_options(plane_options);
   settings_of(render_options, 1);
   curve_text(surface.curve, "--curve");
+  check_outputs(sweep_options, out, {{"--smear", surface.smear}});
 
   const exchange::SequenceSweep sweep = load_sweep(sweep_options);
   const SweepView view = sweep.view();
@@ -127,7 +129,7 @@ void add_manifold(CLI::App& tool) {
       ->group("Curve");
   verb->add_option("--reach-mm", surface->reach_mm, "How far the surface reaches to either side of the plane")
       ->required()
-      ->check(CLI::Range(0.0, 1e4))
+      ->check(number_between(0, 1e4))
       ->group("Curve");
   const auto curve_options = add_curve_options(*verb, "--flow");
   verb->add_option("--smear", surface->smear, "Which rows are smeared by a tight bend (PNG): 255, others 0")

@@ -41,6 +41,12 @@ std::shared_ptr<PictureOutputs> add_picture_outputs(CLI::App& verb) {
   return out;
 }
 
+void check_outputs(const SweepOptions& sweep, const PictureOutputs& out, const std::vector<NamedFile>& more) {
+  std::vector<NamedFile> written{{"--out", out.picture}, {"--coverage", out.coverage}, {"--json", out.json}};
+  written.insert(written.end(), more.begin(), more.end());
+  check_files_apart(files_read(sweep), written);
+}
+
 ReslicePlane plane_of(const PlaneOptions& options, const SweepView& sweep, const std::string& world) {
   const auto [plane, given] = choose_plane(options, sweep);
   if (!given)
@@ -88,6 +94,10 @@ void print_picture(const exchange::SequenceSweep& sweep, const RenderSettings& s
               settings.band.layers(), 100 * covered(image), milliseconds);
   for (const exchange::LeftOut& l : sweep.left_out)
     std::printf("left out: %d frames, %s\n", l.frames, l.cause.c_str());
+  if (covered(image) == 0)
+    std::fprintf(stderr,
+                 "warning: no pixel has data: all of the picture lies beside the recording, or farther from "
+                 "its B-scans than --gap-mm; without --origin a plane through its middle is taken\n");
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {

@@ -23,6 +23,11 @@ struct PictureOutputs {
 // --out, --coverage, --json.
 std::shared_ptr<PictureOutputs> add_picture_outputs(CLI::App& verb);
 
+// Throws CLI::ValidationError where one of them, or of the `more` that a verb writes, is a file that is read
+// or another of them.
+void check_outputs(const SweepOptions& sweep, const PictureOutputs& out,
+                   const std::vector<NamedFile>& more = {});
+
 // choose_plane; a plane that was not given is printed, so that it can be given next time.
 ReslicePlane plane_of(const PlaneOptions& options, const SweepView& sweep, const std::string& world);
 
@@ -37,7 +42,7 @@ Json picture_json(const SweepOptions& options, const exchange::SequenceSweep& sw
 void write_picture(const BandImage& image, const doppler::ColourBar& bar, const RenderSettings& settings,
                    const Json& json, const PictureOutputs& out);
 
-// One line about the picture, and one for each cause of frames left out.
+// One line about the picture, one for each cause of frames left out, and a warning where nothing is in it.
 void print_picture(const exchange::SequenceSweep& sweep, const RenderSettings& settings,
                    const BandImage& image, double milliseconds, const PictureOutputs& out);
 

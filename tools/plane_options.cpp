@@ -5,6 +5,7 @@
 #include "app/exchange/text.h"
 #include "core/reslice/band.h"
 #include "core/reslice/default_plane.h"
+#include "tools/argument_checks.h"
 
 namespace sonoband::tools {
 
@@ -71,7 +72,7 @@ std::shared_ptr<PlaneOptions> add_plane_options(CLI::App& verb) {
       ->group("Plane");
   verb.add_option("--size", o->size, "WxH in pixels")->group("Plane");
   verb.add_option("--pixel-mm", o->pixel_mm, "Side of a pixel in mm (default: width of a B-scan's pixel)")
-      ->check(CLI::Range(1e-4, 1e3))
+      ->check(number_between(1e-4, 1e3))
       ->group("Plane");
   return o;
 }

@@ -15,6 +15,7 @@ void render(const SweepOptions& sweep_options, const PlaneOptions& plane_options
   check_sweep_options(sweep_options);
   check_plane_options(plane_options);
   settings_of(render_options, 1);
+  check_outputs(sweep_options, out);
 
   const exchange::SequenceSweep sweep = load_sweep(sweep_options);
   const SweepView view = sweep.view();

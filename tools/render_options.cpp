@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "app/exchange/text.h"
+#include "tools/argument_checks.h"
 
 namespace sonoband::tools {
 
@@ -34,11 +35,6 @@ std::string name_in(const std::map<std::string, Value>& names, Value value) {
   return {};
 }
 
-template <class Value>
-CLI::Validator one_of(const std::map<std::string, Value>& names) {
-  return CLI::CheckedTransformer(names).description("");
-}
-
 }  // namespace
 
 std::shared_ptr<RenderOptions> add_render_options(CLI::App& verb) {
@@ -56,7 +52,7 @@ std::shared_ptr<RenderOptions> add_render_options(CLI::App& verb) {
 
 void add_band_options(CLI::App& verb, const std::shared_ptr<RenderOptions>& o) {
   verb.add_option("--thickness-mm", o->thickness_mm, "Thickness of the band (default 0: a thin slice)")
-      ->check(CLI::Range(0.0, max_mm))
+      ->check(number_between(0, max_mm))
       ->group("Band");
   verb.add_option("--compounding", o->compounding, "max (default), min or mean over the band's layers")
       ->transform(one_of(compoundings()))

@@ -1,10 +1,22 @@
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "app/bad_input.h"
 #include "tools/verbs.h"
 
 namespace sonoband::tools {
+
+namespace {
+
+// What a file holds may be part of a sentence; a terminal must not obey it.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 || byte == 0x7f) c = '?';
+  return text;
+}
+
+}  // namespace
 
 int run_tool(int argc, const char* const* argv) {
   CLI::App tool{"Tracked ultrasound sequences: look at them, render them, convert them. Research use only.",
@@ -28,10 +40,10 @@ int run_tool(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& e) {
     return tool.exit(e) == 0 ? 0 : 2;
   } catch (const BadInput& e) {
-    std::fprintf(stderr, "sonoband-tool: %s\n", e.what());
+    std::fprintf(stderr, "sonoband-tool: %s\n", printable(e.what()).c_str());
     return 1;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "sonoband-tool: unexpected: %s\n", e.what());
+    std::fprintf(stderr, "sonoband-tool: unexpected: %s\n", printable(e.what()).c_str());
     return 1;
   }
   return 0;

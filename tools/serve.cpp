@@ -4,6 +4,7 @@
 
 #include "app/exam/sweep_loader.h"
 #include "app/exchange/igtl_server.h"
+#include "tools/argument_checks.h"
 #include "tools/exam_verbs.h"
 #include "tools/verbs.h"
 
@@ -90,9 +91,10 @@ void add_serve(CLI::App& tool) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--speed", options->speed, "Times the recording's own")
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(number_between(0.01, 100))
       ->capture_default_str();
-  verb->add_option("--for", options->seconds, "Seconds after which to end (default: never)");
+  verb->add_option("--for", options->seconds, "Seconds after which to end (default: never)")
+      ->check(number_between(0, 1e9));
   verb->callback([options] { on_exams([&] { serve(*options); }); });
 }
 

@@ -87,7 +87,7 @@ void add_colour_option(CLI::App& verb, const std::shared_ptr<SweepOptions>& opti
       {"auto", ColourUse::automatic}, {"doppler", ColourUse::doppler}, {"grey", ColourUse::grey}};
   verb.add_option("--colour", options->colour,
                   "An RGB recording's colours: doppler, grey, or auto (Doppler where it shows flow)")
-      ->transform(CLI::CheckedTransformer(names, CLI::ignore_case).description("auto|doppler|grey"));
+      ->transform(one_of(names));
   verb.add_option(
       "--towards", options->towards,
       "The scanner's colour bar for flow towards the probe: \"R,G,B R,G,B ...\" from dark to bright "
@@ -104,6 +104,12 @@ doppler::ColourBar colour_bar(const SweepOptions& options) {
 
 void check_sweep_options(const SweepOptions& options) {
   request_of(options);
+}
+
+std::vector<NamedFile> files_read(const SweepOptions& options) {
+  std::vector<NamedFile> files{{"SEQ", options.sequence}};
+  for (const std::filesystem::path& path : options.calibrations) files.push_back({"--calibration", path});
+  return files;
 }
 
 exchange::SequenceSweep load_sweep(const SweepOptions& options) {

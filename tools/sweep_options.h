@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/exchange/sweep_from_sequence.h"
+#include "tools/argument_checks.h"
 
 namespace sonoband::tools {
 
@@ -34,6 +35,9 @@ doppler::ColourBar colour_bar(const SweepOptions& options);
 
 // Wrong usage that can be seen before anything is read.
 void check_sweep_options(const SweepOptions& options);
+
+// The recording and its calibrations, for check_files_apart.
+std::vector<NamedFile> files_read(const SweepOptions& options);
 
 // Reads the recording and its calibration; prints each warning. Throws BadInput, or CLI::ValidationError for
 // options that make no sense.

@@ -9,6 +9,7 @@
 #include "app/exchange/volume.h"
 #include "app/interrupt.h"
 #include "app/workers.h"
+#include "tools/argument_checks.h"
 #include "tools/plane_options.h"
 #include "tools/render_options.h"
 #include "tools/sweep_options.h"
@@ -89,6 +90,7 @@ exchange::VoxelLattice around(const SweepView& sweep, double spacing_mm) {
 void voxels(const SweepOptions& sweep_options, const RenderOptions& render_options, const LatticeOptions& o) {
   check_sweep_options(sweep_options);
   check(o);
+  check_files_apart(files_read(sweep_options), {{"--out", o.out}});
   const RenderSettings settings = settings_of(render_options, o.spacing_mm);
 
   const exchange::SequenceSweep sweep = load_sweep(sweep_options);
@@ -144,7 +146,7 @@ void add_voxels(CLI::App& tool) {
   auto o = std::make_shared<LatticeOptions>();
   verb->add_option("--spacing-mm", o->spacing_mm, "Side of a voxel in mm")
       ->required()
-      ->check(CLI::Range(1e-3, 1e3))
+      ->check(number_between(1e-3, 1e3))
       ->group("Lattice");
   verb->add_option("--origin", o->origin, "X,Y,Z: centre of the first voxel in mm of the world")
       ->group("Lattice");

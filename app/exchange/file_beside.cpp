@@ -60,6 +60,8 @@ std::string words_of(int why) {
     case ENOENT:
     case ENOTDIR:
       return "the folder is not there; check its name, and that the disk was not pulled";
+    case EISDIR:
+      return "this is a folder; name a file in it";
     case EIO:
     case ENODEV:
     case ENXIO:
@@ -149,6 +151,7 @@ bool FileBeside::open(const fs::path& file, std::ios::openmode mode) {
 FileBeside::FileBeside(fs::path path, const Progress& progress, std::uint64_t bytes)
     : path_(std::move(path)), unfinished_(path_), bytes_(progress, bytes) {
   if (const std::string why = why_no_room(path_, bytes, disk_of(path_)); !why.empty()) throw BadInput(why);
+  if (std::error_code none; fs::is_directory(path_, none)) throw BadInput(why_unwritable(path_, EISDIR));
   unfinished_ += fmt::format(".{}.unfinished", ::getpid());
   nameless_ = ::open(folder_of(path_).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (nameless_ >= 0 && open(of_descriptor(nameless_), {})) return;

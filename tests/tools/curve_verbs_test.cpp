@@ -226,7 +226,7 @@ TEST_F(CurveVerbs, ManifoldSaysWhatIsWrongWithACurve) {
               HasSubstr("--curve: the curve has all its points in one place; draw at least two"));
   EXPECT_THAT(refused("5,4 5;9", "6"), HasSubstr("--curve: '5;9' is not 2 numbers with commas between"));
   EXPECT_THAT(refused("5,4 nan,9", "6"), HasSubstr("--curve: 'nan,9' is not 2 numbers with commas between"));
-  EXPECT_THAT(refused("5,4 15,4", "-1"), HasSubstr("--reach-mm: Value -1 not in range 0"));
+  EXPECT_THAT(refused("5,4 15,4", "-1"), HasSubstr("--reach-mm: '-1' is not a number from 0 to 10000"));
   EXPECT_THAT(refused("0,0 1e7,0", "6"),
               HasSubstr("--curve: the curve is longer than 65536 pixels or points; draw a shorter one"));
   EXPECT_EQ(run_tool(manifold({"--curve", "5,4 15,4", "--reach-mm", "9000"})).exit_code, 0);
