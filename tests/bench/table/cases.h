@@ -14,7 +14,7 @@ struct TableOptions {
 };
 
 // Sweeps and voxel arrays are made when a case first needs them and dropped when the next kind of sweep
-// begins, so cases must be measured in order. The peer's name is "none" without peers.
+// begins, so cases must be measured in order. The peer's name is empty without one.
 struct Table {
   std::vector<Case> cases;
   std::string peer_name;

@@ -1,6 +1,8 @@
 // The speed tables. Run through tools/bench.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
+#include "app/bad_input.h"
 #include "app/freed_memory.h"
 #include "tests/bench/table/cases.h"
 
@@ -21,6 +23,14 @@ int main(int argc, char** argv) {
                "processor time over the number of threads, best of 12: for a machine that others use");
   CLI11_PARSE(app, argc, argv);
   options.clock = processor_time ? Clock::processor : Clock::wall;
-  const Table table = speed_table(options);
-  return measure(table.cases, filter, table.peer_name, json_file, options.clock, options.threads);
+  try {
+    const Table table = speed_table(options);
+    if (options.peers && table.peer_name.empty())
+      throw sonoband::BadInput("no peer was built in; run tools/bench --peers, which installs and builds it");
+    measure(table.cases, filter, {table.peer_name, json_file}, options.clock, options.threads);
+  } catch (const sonoband::BadInput& e) {
+    std::fprintf(stderr, "tools/bench: %s\n", e.what());
+    return 1;
+  }
+  return 0;
 }

@@ -1,6 +1,7 @@
 #include "tests/bench/table/table.h"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +10,12 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 #include <thread>
+
+#include "app/bad_input.h"
+#include "app/exchange/file_beside.h"
 
 namespace sonoband::bench {
 namespace {
@@ -73,46 +79,94 @@ double milliseconds(Clock clock, int threads, const std::function<void()>& body)
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-int measure(const std::vector<Case>& cases, const std::string& filter, const std::string& peer_name,
-            const std::string& json_file, Clock clock, int threads) {
+namespace {
+
+// A figure beside what is asked of it; a star where it misses that.
+void print_figure(double value, const char* format, const Asked& asked, bool at_least) {
+  const bool missed = asked.must > 0 && (at_least ? value < asked.must : value > asked.must);
+  std::printf(format, value);
+  std::printf("%s", missed ? "*" : " ");
+  const auto words = [](double v) { return v > 0 ? fmt::format("{:g}", v) : std::string(); };
+  std::printf("%5s %5s", words(asked.must).c_str(), words(asked.aim).c_str());
+}
+
+void put_asked(nlohmann::json& row, const Asked& asked, const std::string& what) {
+  if (asked.must > 0) row["must_" + what] = asked.must;
+  if (asked.aim > 0) row["aim_" + what] = asked.aim;
+}
+
+// Those whose names contain `filter`, and what they are multiples of.
+std::vector<const Case*> chosen(const std::vector<Case>& cases, const std::string& filter) {
+  const auto named = [&](const Case& c) { return c.name.find(filter) != std::string::npos; };
+  std::set<std::string> bases;
+  for (const Case& c : cases)
+    if (named(c)) bases.insert(c.base);
+  std::vector<const Case*> result;
+  for (const Case& c : cases)
+    if (named(c) || bases.contains(c.name)) result.push_back(&c);
+  if (result.empty())
+    throw BadInput("no case has '" + filter + "' in its name; run without --filter to see the names");
+  return result;
+}
+
+}  // namespace
+
+void measure(const std::vector<Case>& cases, const std::string& filter, const Output& output, Clock clock,
+             int threads) {
+  const std::vector<const Case*> rows = chosen(cases, filter);
+  std::optional<exchange::FileBeside> file;
+  if (!output.json_file.empty()) file.emplace(output.json_file);
   const auto time_ms = [&](const std::string& name, const std::function<void()>& body) {
     if (clock == Clock::wall) return wall_ms(name, body);
     double best = milliseconds(clock, threads, body);
     for (int repeat = 1; repeat < 12; ++repeat) best = std::min(best, milliseconds(clock, threads, body));
     return best;
   };
-  nlohmann::json rows = nlohmann::json::array();
-  std::printf("%s\npeer: %s\n\n%-52s %9s %9s %9s %8s\n", machine().c_str(), peer_name.c_str(), "case",
-              "ours ms", "must ms", "peer ms", "ratio");
-  for (const Case& c : cases) {
-    if (c.name.find(filter) == std::string::npos) continue;
+  nlohmann::json json{{"machine", machine()}, {"rows", nlohmann::json::array()}};
+  if (!output.peer_name.empty()) json["peer"] = output.peer_name;
+  std::printf("%s\npeer: %s\n\n%-52s %9s %6s %5s %9s %7s %6s %5s %7s %6s %5s\n", machine().c_str(),
+              output.peer_name.empty() ? "none" : output.peer_name.c_str(), "case", "ours ms", "must", "aim",
+              "peer ms", "ratio", "must", "aim", "times", "must", "aim");
+  std::map<std::string, double> measured;
+  for (const Case* const row_case : rows) {
+    const Case& c = *row_case;
     if (c.begin) c.begin();
     // Ours, the peer, ours: a machine whose speed drifts must not favour either.
     double ours = c.own_ms ? c.own_ms() : time_ms(c.name, c.ours);
     nlohmann::json row{{"case", c.name}};
+    put_asked(row, c.ms, "ms");
     std::printf("%-52s ", c.name.c_str());
-    const std::string must = c.must_ms > 0 ? std::to_string(c.must_ms).substr(0, 5) : "";
-    if (c.must_ms > 0) row["must_ms"] = c.must_ms;
+    double peer = 0;
     if (c.peer) {
-      const double peer = time_ms(c.name, c.peer);
+      peer = time_ms(c.name, c.peer);
       if (!c.own_ms) ours = (ours + time_ms(c.name, c.ours)) / 2;
+    }
+    measured[c.name] = row["ours_ms"] = ours;
+    print_figure(ours, "%9.3f", c.ms, false);
+    if (c.peer) {
       row["vtk_ms"] = peer;
       row["ratio"] = peer / ours;
-      std::printf("%9.3f %9s %9.2f %8.2f\n", ours, must.c_str(), peer, peer / ours);
-    } else {
-      std::printf("%9.3f %9s\n", ours, must.c_str());
+      put_asked(row, c.ratio, "ratio");
+      std::printf(" %9.2f ", peer);
+      print_figure(peer / ours, "%7.2f", c.ratio, true);
+    } else if (!c.base.empty()) {
+      std::printf("%30s", "");
     }
-    row["ours_ms"] = ours;
-    rows.push_back(row);
+    if (!c.base.empty()) {
+      const double times = ours / measured.at(c.base);
+      row["base"] = c.base;
+      row["times"] = times;
+      put_asked(row, c.times, "times");
+      std::printf(" ");
+      print_figure(times, "%7.2f", c.times, false);
+    }
+    std::printf("\n");
     std::fflush(stdout);
+    json["rows"].push_back(row);
   }
-  if (json_file.empty()) return 0;
-  std::ofstream out(json_file);
-  out << nlohmann::json{{"machine", machine()}, {"peer", peer_name}, {"rows", rows}}.dump(1) << '\n';
-  if (out.good()) return 0;
-  std::fprintf(stderr, "tools/bench: %s cannot be written; name a file in a folder that exists\n",
-               json_file.c_str());
-  return 1;
+  if (!file) return;
+  file->stream() << json.dump(1) << '\n';
+  file->commit();
 }
 
 }  // namespace sonoband::bench

@@ -17,20 +17,35 @@ enum class Clock {
 // Of one run.
 double milliseconds(Clock clock, int threads, const std::function<void()>& body);
 
+// What is asked of a figure, and what is aimed at; 0: nothing is.
+struct Asked {
+  double must = 0;
+  double aim = 0;
+};
+
 struct Case {
   std::string name;
-  double must_ms = 0;              // what is asked of us on the agreed machine; 0: nothing is
+  Asked ms;                        // on the agreed machine, at most
+  Asked ratio;                     // of the peer's time to ours, at least
+  std::string base;                // an earlier case of which `times` is a multiple; empty: none
+  Asked times;                     // at most
   std::function<void()> ours;      // timed as a whole, several times over
   std::function<void()> peer;      // empty: none
   std::function<void()> begin;     // untimed, before the first of either; may be empty
   std::function<double()> own_ms;  // instead of `ours`: a figure of its own, such as the worst of many planes
 };
 
-// Measures and prints every case whose name contains `filter`, and writes the same as JSON to `json_file`
-// unless it is empty:
-// {"machine": ..., "peer": ..., "rows": [{"case", "ours_ms", "must_ms"?, "vtk_ms"?, "ratio"?}]}.
-// Returns 0, or 1 when the file cannot be written.
-int measure(const std::vector<Case>& cases, const std::string& filter, const std::string& peer_name,
-            const std::string& json_file, Clock clock, int threads);
+struct Output {
+  std::string peer_name;  // empty: there is no peer
+  std::string json_file;  // empty: none is written
+};
+
+// Measures and prints every case whose name contains `filter`, and those that they are multiples of; a figure
+// that misses what is asked has a star. Writes the same as JSON: {"machine": ..., "peer"?: ...,
+// "rows": [{"case", "ours_ms", "must_ms"?, "aim_ms"?, "vtk_ms"?, "ratio"?, "must_ratio"?, "base"?, "times"?,
+// "must_times"?, "aim_times"?}]}; what is of the peer only where there is one. Throws BadInput where no case
+// has such a name, or the file cannot be written, before anything is measured.
+void measure(const std::vector<Case>& cases, const std::string& filter, const Output& output, Clock clock,
+             int threads);
 
 }  // namespace sonoband::bench
