@@ -55,7 +55,8 @@ TEST(CheckOfTheTracker, IsNotTakenInByAnIdAlone) {
   const std::string fake =
       ", without the endpoints of one: this is not the tracker it says it is: plug in the right one";
   EXPECT_EQ(tracker({0xff20}, UsbError::none, {{0x02, 0x82}}), "MISSING  tracker  LIBERTY HS on USB" + fake);
-  EXPECT_EQ(tracker({0xbf01}, UsbError::none, {{}}), "MISSING  tracker  VIPER on USB" + fake);
+  EXPECT_EQ(tracker({0xbf01}, UsbError::none, std::vector<std::uint8_t>{}),
+            "MISSING  tracker  VIPER on USB" + fake);
 }
 
 class CheckOfTheVideo : public ::testing::Test {
