@@ -132,27 +132,5 @@ TEST(KernelAgainstReference, FansBlendByTheirGaps) {
   }
 }
 
-// The shares the product promises, over all scenes together.
-TEST(KernelAgainstReference, PromisedShares) {
-  test::Difference nearest, linear;
-  const auto add = [](test::Difference& sum, const test::Difference& d) {
-    sum.pixels += d.pixels;
-    sum.unequal += d.unequal;
-    sum.beyond_one_level += d.beyond_one_level;
-  };
-  Serial serial;
-  for (unsigned seed = 100; seed < 140; ++seed) {
-    test::RandomScene scene = test::random_scene(seed);
-    const SweepView view = scene.sweep.view();
-    add(nearest, test::compare(render_planar(view, scene.plane, scene.settings, serial),
-                               test::reference_planar(view, scene.plane, scene.settings)));
-    scene.settings.interpolation = Interpolation::linear;
-    add(linear, test::compare(render_planar(view, scene.plane, scene.settings, serial),
-                              test::reference_planar(view, scene.plane, scene.settings)));
-  }
-  EXPECT_GE(nearest.equal_share(), 0.999) << nearest.unequal << " of " << nearest.pixels;
-  EXPECT_GE(linear.close_share(), 0.999) << linear.beyond_one_level << " of " << linear.pixels;
-}
-
 }  // namespace
 }  // namespace sonoband

@@ -320,12 +320,12 @@ std::set<std::pair<int, int>> reference_tied_means(const SweepView& view, const 
   return results;
 }
 
-int beyond_ties(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+int beyond_ties(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                 const BandImage& image) {
-  const TieRange ties = reference_ties(sweep, plane_lines(plane, settings.band), settings, 1e-4, 1e-4);
+  const TieRange ties = reference_ties(sweep, bundle, settings, 1e-4, 1e-4);
   int beyond = 0;
-  for (int y = 0; y < plane.height; ++y) {
-    for (int x = 0; x < plane.width; ++x) {
+  for (int y = 0; y < bundle.rows; ++y) {
+    for (int x = 0; x < bundle.samples; ++x) {
       const int value = image.pixels.view()(x, y), covered = image.coverage.view()(x, y);
       const bool tied = value >= ties.lowest.view()(x, y) && value <= ties.highest.view()(x, y) &&
                         covered >= ties.least_coverage.view()(x, y) &&
@@ -334,6 +334,11 @@ int beyond_ties(const SweepView& sweep, const ReslicePlane& plane, const RenderS
     }
   }
   return beyond;
+}
+
+int beyond_ties(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
+                const BandImage& image) {
+  return beyond_ties(sweep, plane_lines(plane, settings.band), settings, image);
 }
 
 }  // namespace sonoband::test

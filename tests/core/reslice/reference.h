@@ -20,8 +20,9 @@ struct TieRange {
 };
 TieRange reference_ties(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
                         double px, double mm);
-// Pixels of a plane's picture that no tie explains, a foot erring by at most 1e-4 pixel and a distance by
-// 1e-4 mm.
+// Pixels of a picture that no tie explains, a foot erring by at most 1e-4 pixel and a distance by 1e-4 mm.
+int beyond_ties(const SweepView& sweep, const LineBundle& bundle, const RenderSettings& settings,
+                const BandImage& image);
 int beyond_ties(const SweepView& sweep, const ReslicePlane& plane, const RenderSettings& settings,
                 const BandImage& image);
 

@@ -7,6 +7,7 @@
 #include "core/reslice/patch_kernels.h"
 #include "tests/core/reslice/compare.h"
 #include "tests/core/reslice/only_target.h"
+#include "tests/core/reslice/random_geometry.h"
 #include "tests/core/reslice/reference.h"
 #include "tests/support/speed_sweep.h"
 
@@ -68,6 +69,76 @@ TEST(CurvedBundle, NearestEqualsTheDefinitionButForTies) {
     }
   }
   EXPECT_GE(sum.equal_share(), 0.999) << sum.unequal << " of " << sum.pixels;
+}
+
+TEST(CurvedBundle, LinearIsWithinALevelOfTheDefinition) {
+  const test::TestSweep sweep = hand_sweep();
+  Serial serial;
+  test::Difference sum;
+  for (const LineBundle& bundle : arcs()) {
+    for (const auto how : {Compounding::maximum, Compounding::mean}) {
+      RenderSettings settings;
+      settings.compounding = how;
+      settings.interpolation = Interpolation::linear;
+      const test::Difference d = test::compare(render_lines(sweep.view(), bundle, settings, serial),
+                                               test::reference_lines(sweep.view(), bundle, settings));
+      sum.pixels += d.pixels;
+      sum.beyond_one_level += d.beyond_one_level;
+    }
+  }
+  EXPECT_GE(sum.close_share(), 0.999) << sum.beyond_one_level << " of " << sum.pixels;
+}
+
+// Crossing frames, several sweeps, masks, gaps, odd sizes, Doppler; lines bent and some of them missing.
+TEST(CurvedBundle, InAnySceneNearestDiffersByTiesAloneAndLinearByALevel) {
+  Serial serial;
+  test::Difference linear;
+  for (unsigned seed = 2000; seed < 2024; ++seed) {
+    test::RandomScene scene = test::random_scene(seed);
+    if (scene.settings.compounding == Compounding::mean) scene.settings.compounding = Compounding::minimum;
+    LineBundle bundle = plane_lines(scene.plane, scene.settings.band);
+    const Eigen::Vector3d n = scene.plane.normal().v;
+    for (int row = 0; row < bundle.rows; ++row)
+      for (int l = 0; l < bundle.layers; ++l)
+        bundle.starts[row * bundle.layers + l].v += 2 * std::sin(0.2 * row) * n;
+    bundle.present.assign(bundle.starts.size(), 1);
+    for (std::size_t i = 0; i < bundle.present.size(); i += 5) bundle.present[i] = 0;
+    const SweepView view = scene.sweep.view();
+    EXPECT_EQ(
+        test::beyond_ties(view, bundle, scene.settings, render_lines(view, bundle, scene.settings, serial)),
+        0)
+        << "seed " << seed;
+    scene.settings.interpolation = Interpolation::linear;
+    const test::Difference d = test::compare(render_lines(view, bundle, scene.settings, serial),
+                                             test::reference_lines(view, bundle, scene.settings));
+    linear.pixels += d.pixels;
+    linear.beyond_one_level += d.beyond_one_level;
+  }
+  EXPECT_GE(linear.close_share(), 0.999) << linear.beyond_one_level << " of " << linear.pixels;
+}
+
+TEST(CurvedBundle, SameBitsWhateverOrderItsTasksTake) {
+  class Backwards final : public Parallel {
+   public:
+    int width() const override { return 3; }
+    void for_each(int count, const std::function<void(int)>& body) override {
+      tasks += count;
+      for (int i = count; i-- > 0;) body(i);
+    }
+    int tasks = 0;
+  };
+  const test::TestSweep sweep = hand_sweep();
+  Serial serial;
+  for (const Interpolation how : {Interpolation::nearest, Interpolation::linear}) {
+    RenderSettings settings;
+    settings.interpolation = how;
+    for (const LineBundle& bundle : arcs()) {
+      Backwards backwards;
+      EXPECT_TRUE(test::same_bits(render_lines(sweep.view(), bundle, settings, serial),
+                                  render_lines(sweep.view(), bundle, settings, backwards)));
+      EXPECT_GT(backwards.tasks, 1);
+    }
+  }
 }
 
 TEST(CurvedBundle, EveryInstructionSetPaintsTheSame) {
