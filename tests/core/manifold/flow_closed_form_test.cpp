@@ -117,6 +117,17 @@ TEST(Flow, OuterSideOfACornerIsAnArc) {
   EXPECT_GT(on_arc, 20);
 }
 
+// A ruling on a corner is as near to all of its arc: it takes the middle.
+TEST(Flow, ARulingOnACornerTakesTheMiddleOfItsArc) {
+  for (const double between : {30.0, 90.0, 150.0}) {
+    const CurveFlow result = flow(test::v_curve(between, 100), 36);
+    for (int k = 1; k <= 36; ++k) {
+      ASSERT_TRUE(result.layer(-k).feet[100]);
+      EXPECT_LT((*result.layer(-k).feet[100] - PlanePoint(-k, 0)).norm(), 1e-9) << between << " " << k;
+    }
+  }
+}
+
 struct Motion {
   double angle;
   PlanePoint shift;

@@ -102,6 +102,25 @@ TEST_P(EveryShape, ExactFeetAreAtTheLayersDistance) {
   }
 }
 
+// Of the edges that are nearest to a foot one has it on the layer's side; before the tip of a curve that
+// turns straight back it is on both.
+TEST_P(EveryShape, ExactFeetAreOnTheLayersSideOfANearestEdge) {
+  const Curve& curve = GetParam().curve;
+  const CurveFlow exact = flow(curve);
+  for (const int k : layers())
+    for (std::size_t i = 0; i < exact.rulings.size(); ++i) {
+      const auto& foot = exact.layer(k).feet[i];
+      if (!foot) continue;
+      bool on_side = false;
+      for (int e = 0; e < curve.edges() && !on_side; ++e) {
+        const PlanePoint &a = curve.edge_start(e), &b = curve.edge_end(e);
+        if (distance_to_segment(*foot, a, b) > std::abs(k) + eps) continue;
+        on_side = cross(b - a, *foot - a) * (k > 0 ? 1 : -1) > -1e-6;
+      }
+      ASSERT_TRUE(on_side) << "layer " << k << " ruling " << i;
+    }
+}
+
 TEST_P(EveryShape, ExactFrontsAreAtTheLayersDistance) {
   const Curve& curve = GetParam().curve;
   const CurveFlow exact = flow(curve);
@@ -222,6 +241,17 @@ TEST(Figure9, NaiveFrontsOfACornerCrossThemselves) {
     EXPECT_EQ(crossings_in_all(v, FlowMethod::route_map), 0) << angle;
     EXPECT_EQ(misplaced_in_all(v, FlowMethod::route_map), 0) << angle;
   }
+}
+
+// Every tight bend of a drawn line does it, too; nowhere an exact front.
+TEST(Figure9, NaiveFrontsOfDrawnLinesCrossThemselves) {
+  int crossing = 0;
+  for (const Shape& shape : test::all_shapes()) {
+    if (shape.name != "zigzag" && shape.name.find("stroke") == std::string::npos) continue;
+    ++crossing;
+    EXPECT_GT(crossings_in_all(shape.curve, FlowMethod::naive), 0) << shape.name;
+  }
+  EXPECT_EQ(crossing, 6);
 }
 
 // Measured failures of the paper's route map on curves that come back within the band, or were not smoothed.

@@ -1,17 +1,10 @@
-// Planar bands of phantoms whose pictures are known in closed form, and laws that hold for any sweep.
+// Planar bands of phantoms whose pictures are known in closed form.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <thread>
 
-#include "core/image/doppler.h"
 #include "core/reslice/band.h"
-#include "tests/core/reslice/compare.h"
-#include "tests/core/reslice/random_geometry.h"
-#include "tests/core/reslice/reference.h"
-#include "tests/support/support.h"
+#include "tests/support/test_sweep.h"
 
 namespace sonoband {
 namespace {
@@ -21,41 +14,11 @@ using test::TestSweep;
 
 constexpr double pixel = 0.25;  // mm; a power of two, so that positions are exact
 
-// Threads that take bodies in whatever order they come.
-class Threads final : public Parallel {
- public:
-  explicit Threads(int width) : width_(width) {}
-  int width() const override { return width_; }
-  void for_each(int count, const std::function<void(int)>& body) override {
-    std::mutex mutex;
-    int next = count;
-    const auto work = [&] {
-      for (;;) {
-        int i = 0;
-        {
-          const std::lock_guard lock(mutex);
-          i = --next;
-        }
-        if (i < 0) return;
-        body(i);
-      }
-    };
-    std::vector<std::thread> helpers;
-    for (int i = 1; i < width_; ++i) helpers.emplace_back(work);
-    work();
-    for (std::thread& t : helpers) t.join();
-  }
-
- private:
-  int width_;
-};
-
 // Parallel frames `spacing_mm` apart along z, pixels in World's x and y, of 64x48 pixels from the origin.
-TestSweep stack(int frames, double spacing_mm, const TestSweep::PixelFormula& value,
-                PixelKind kind = PixelKind::grey) {
+TestSweep stack(int frames, double spacing_mm, const TestSweep::PixelFormula& value) {
   TestSweep sweep;
   for (int i = 0; i < frames; ++i)
-    sweep.add(64, 48, image_pose(Eigen::Matrix3d::Identity(), {0, 0, i * spacing_mm}, pixel), value, kind);
+    sweep.add(64, 48, image_pose(Eigen::Matrix3d::Identity(), {0, 0, i * spacing_mm}, pixel), value);
   return sweep;
 }
 
@@ -261,116 +224,6 @@ TEST(PlanarBand, ThinningLeavesFramesAtMostAPixelApart) {
     EXPECT_NEAR(image.pixels.view()(5, y), 100 * pixel * y, 100 * (pixel + 0.05) / 2 + 1);
   }
   EXPECT_EQ(render(sweep.view(), c_plane(3.0, 64, 8), thick(0)).frames_left_out, 0);
-}
-
-TEST(PlanarBand, DopplerMeanFollowsTheVelocities) {
-  const auto key = [](int level, bool red) { return doppler::colour_key(level, red); };
-  // Layers along y: keys by picture row.
-  const std::vector<std::vector<std::uint8_t>> columns = {
-      {10, 20, 31},                         // grey only: 20.33
-      {key(30, true), key(10, false), 50},  // (30 - 10 + 0) / 3 = 6.67
-      {key(30, false), 7, 9},               // -10
-      {key(1, true), key(1, false), 40},    // 0: the grey
-      {key(0, true), key(0, false), key(0, true)},
-  };
-  const std::vector<std::uint8_t> expected = {20, key(7, true), key(10, false), 40, 0};
-  const TestSweep sweep = stack(
-      9, 0.5,
-      [&](int x, int y, const auto&) {
-        return x < 5 && y >= 10 && y < 13 ? columns[x][y - 10] : std::uint8_t{0};
-      },
-      PixelKind::doppler);
-  const BandImage image = render(sweep.view(), c_plane(11 * pixel, 5, 5), thick(0.5, Compounding::mean));
-  EXPECT_EQ(image.kind, PixelKind::doppler);
-  for (int x = 0; x < 5; ++x) EXPECT_EQ(image.pixels.view()(x, 2), expected[x]) << x;
-}
-
-class Laws : public testing::TestWithParam<unsigned> {};
-
-TEST_P(Laws, MinimumMeanMaximumAreOrdered) {
-  test::RandomScene scene = test::random_scene(GetParam());
-  if (scene.sweep.frames().front()->bscan.kind == PixelKind::doppler) {
-    for (auto& f : scene.sweep.frames()) f->bscan.kind = PixelKind::grey;
-  }
-  const auto with = [&](Compounding how) {
-    scene.settings.compounding = how;
-    return render(scene.sweep.view(), scene.plane, scene.settings);
-  };
-  const BandImage low = with(Compounding::minimum), mean = with(Compounding::mean),
-                  high = with(Compounding::maximum);
-  for (int y = 0; y < scene.plane.height; ++y) {
-    for (int x = 0; x < scene.plane.width; ++x) {
-      ASSERT_LE(low.pixels.view()(x, y), mean.pixels.view()(x, y));
-      ASSERT_LE(mean.pixels.view()(x, y), high.pixels.view()(x, y));
-    }
-  }
-}
-
-TEST_P(Laws, ZeroThicknessIsTheThinReslice) {
-  test::RandomScene scene = test::random_scene(GetParam());
-  scene.settings.band.thickness_mm = 0;
-  scene.settings.compounding = Compounding::maximum;
-  const BandImage thin = render(scene.sweep.view(), scene.plane, scene.settings);
-  for (const auto how : {Compounding::minimum, Compounding::mean}) {
-    scene.settings.compounding = how;
-    if (thin.kind == PixelKind::doppler && how == Compounding::mean) continue;  // level 0 means to grey
-    EXPECT_TRUE(test::same_bits(thin, render(scene.sweep.view(), scene.plane, scene.settings)));
-  }
-}
-
-TEST_P(Laws, OrderOfFramesDoesNotMatter) {
-  test::RandomScene scene = test::random_scene(GetParam());
-  std::vector<int> order(scene.sweep.frames().size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
-  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
-    scene.settings.interpolation = interpolation;
-    const BandImage image = render(scene.sweep.view(), scene.plane, scene.settings);
-    std::shuffle(order.begin(), order.end(), std::mt19937(GetParam()));
-    EXPECT_TRUE(test::same_bits(image, render(scene.sweep.view(order), scene.plane, scene.settings)));
-  }
-}
-
-TEST_P(Laws, SameBitsForAnyNumberOfThreads) {
-  test::RandomScene scene = test::random_scene(GetParam());
-  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
-    scene.settings.interpolation = interpolation;
-    const BandImage one = render(scene.sweep.view(), scene.plane, scene.settings);
-    for (const int threads : {2, 3, 7}) {
-      Threads parallel(threads);
-      EXPECT_TRUE(
-          test::same_bits(one, render_planar(scene.sweep.view(), scene.plane, scene.settings, parallel)));
-    }
-  }
-}
-
-TEST_P(Laws, LinesOfAPlaneArePaintedAsThePlane) {
-  test::RandomScene scene = test::random_scene(GetParam());
-  Serial serial;
-  for (const auto interpolation : {Interpolation::nearest, Interpolation::linear}) {
-    scene.settings.interpolation = interpolation;
-    const BandImage planar = render(scene.sweep.view(), scene.plane, scene.settings);
-    const BandImage lines = render_lines(scene.sweep.view(), plane_lines(scene.plane, scene.settings.band),
-                                         scene.settings, serial);
-    EXPECT_TRUE(test::same_bits(planar, lines));
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Seeds, Laws, testing::Range(1000U, 1012U));
-
-TEST(LineBundle, CurvedLinesAndMissingOnesEqualReference) {
-  for (unsigned seed = 2000; seed < 2012; ++seed) {
-    test::RandomScene scene = test::random_scene(seed);
-    LineBundle bundle = plane_lines(scene.plane, scene.settings.band);
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> bend(-0.3, 0.3);
-    for (auto& start : bundle.starts) start.v += Eigen::Vector3d(bend(random), bend(random), bend(random));
-    bundle.present.assign(bundle.starts.size(), 1);
-    for (auto& p : bundle.present) p = random() % 5 == 0 ? 0 : 1;
-    Serial serial;
-    const BandImage image = render_lines(scene.sweep.view(), bundle, scene.settings, serial);
-    const BandImage truth = test::reference_lines(scene.sweep.view(), bundle, scene.settings);
-    EXPECT_GE(test::compare(image, truth).equal_share(), 0.995) << "seed " << seed;
-  }
 }
 
 }  // namespace
