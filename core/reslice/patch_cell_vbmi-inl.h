@@ -19,19 +19,21 @@ HWY_BEFORE_NAMESPACE();
 namespace sonoband {
 namespace HWY_NAMESPACE {
 
-// Where lanes lie in a frame, from the pixel that least_row and least_column lead to.
+// Where lanes lie in a frame, from the pixel that least_row and least_column lead to, or so many columns
+// before it.
 struct LanePlaces {
   Carries carries_x, carries_y;
   __m512i column, row;
   const std::uint8_t* origin;  // of position 0
   std::ptrdiff_t stride;
 
-  HWY_ATTR HWY_INLINE explicit LanePlaces(const PatchFrame& f)
+  HWY_ATTR HWY_INLINE LanePlaces(const PatchFrame& f, int before)
       : carries_x(f.part_x.data()),
         carries_y(f.part_y.data()),
-        column(_mm512_load_si512(f.column.data())),
+        column(_mm512_add_epi8(_mm512_load_si512(f.column.data()),
+                               _mm512_set1_epi8(static_cast<char>(before)))),
         row(_mm512_load_si512(f.row.data())),
-        origin(f.pixels + f.least_row * f.stride + f.least_column),
+        origin(f.pixels + f.least_row * f.stride + f.least_column - before),
         stride(f.stride) {}
   HWY_ATTR HWY_INLINE const std::uint8_t* at(FixedPx x, FixedPx y) const {
     return origin + (y >> 32) * stride + (x >> 32);
@@ -54,20 +56,25 @@ struct PositionRange {
         last_y(y + (range.high - 1 - range.low) * f.y_per_layer) {}
 };
 
-// So many columns and rows from the least on are the picture's at all positions.
-inline bool inside_by(const PatchFrame& f, const PositionRange& at, int columns, int rows) {
-  return whole(std::min(at.x, at.last_x)) + f.least_column >= 0 &&
-         whole(std::max(at.x, at.last_x)) + f.least_column + columns <= f.width &&
-         whole(std::min(at.y, at.last_y)) + f.least_row >= 0 &&
-         whole(std::max(at.y, at.last_y)) + f.least_row + rows <= f.height;
+// A table of so many columns and rows that holds all lanes is the picture's at all positions where it begins
+// so many columns before the least one: 0 but near the picture's right edge. -1 where none is.
+inline int columns_before(const PatchFrame& f, const PositionRange& at, int columns, int rows) {
+  const int left = whole(std::min(at.x, at.last_x)) + f.least_column;
+  const int before = std::max(0, whole(std::max(at.x, at.last_x)) + f.least_column + columns - f.width);
+  const bool held = before + f.columns + 1 < columns && left >= before &&
+                    whole(std::min(at.y, at.last_y)) + f.least_row >= 0 &&
+                    whole(std::max(at.y, at.last_y)) + f.least_row + rows <= f.height;
+  return held ? before : -1;
 }
 
 // Lanes on `count` pixel rows, `reach` columns of each.
 template <int count, int reach>
 struct InnerRows {
   LanePlaces places;
-  HWY_ATTR HWY_INLINE explicit InnerRows(const ChainFrame& f) : places(*f.frame) {}
-  static bool holds(const PatchFrame& f, const PositionRange& at) { return inside_by(f, at, reach, count); }
+  HWY_ATTR HWY_INLINE InnerRows(const ChainFrame& f, int before) : places(*f.frame, before) {}
+  static int before(const PatchFrame& f, const PositionRange& at) {
+    return columns_before(f, at, reach, count);
+  }
   HWY_ATTR HWY_INLINE __m512i at(FixedPx x, FixedPx y) const {
     const __m512i index = places.columns(x);
     const std::uint8_t* from = places.at(x, y);
@@ -96,8 +103,8 @@ struct InnerRows {
 template <int count>
 struct InnerBlock {
   LanePlaces places;
-  static bool holds(const PatchFrame& f, const PositionRange& at) { return inside_by(f, at, 64, count); }
-  HWY_ATTR HWY_INLINE explicit InnerBlock(const ChainFrame& f) : places(*f.frame) {
+  static int before(const PatchFrame& f, const PositionRange& at) { return columns_before(f, at, 64, count); }
+  HWY_ATTR HWY_INLINE InnerBlock(const ChainFrame& f, int before) : places(*f.frame, before) {
     // The row is the index' upper two bits.
     places.column = _mm512_or_si512(places.column, _mm512_slli_epi16(places.row, 6));
   }
@@ -120,9 +127,9 @@ struct InnerBlock {
 // Lanes within 16 x 16 pixels.
 struct InnerWindow {
   WindowFetch window;
-  HWY_ATTR HWY_INLINE explicit InnerWindow(const ChainFrame& f)
+  HWY_ATTR HWY_INLINE InnerWindow(const ChainFrame& f, int)
       : window(*f.frame, f.x_per_layer >= 0, f.y_per_layer >= 0) {}
-  static bool holds(const PatchFrame&, const PositionRange&) { return true; }
+  static int before(const PatchFrame&, const PositionRange&) { return 0; }
   HWY_ATTR HWY_INLINE __m512i at(FixedPx x, FixedPx y) { return window.at(x, y); }
 };
 

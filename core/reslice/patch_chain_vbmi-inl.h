@@ -214,11 +214,12 @@ template <class FetchLanes, class To>
 HWY_ATTR HWY_NOINLINE bool take_inner_by(const ChainFrame& f, const PatchSite& site, const Condition& from,
                                          const Condition& to, const LayerRange& range, To& gathered) {
   const PositionRange at(f, site, range);
-  if (!FetchLanes::holds(*f.frame, at)) return false;
+  const int before = FetchLanes::before(*f.frame, at);
+  if (before < 0) return false;
   To own = gathered;
   const LaneLayers layers = layers_between(from, to, site, range);
   own.count(layers.length);
-  FetchLanes fetch(f);
+  FetchLanes fetch(f, before);
   NothingAhead nothing;
   take_layers(fetch, f, at.x, at.y, layers, range, nothing, own);
   gathered = own;

@@ -74,7 +74,7 @@ template <Rule rule, class FetchLanes>
 HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary* boundaries, bool ends,
                                        PatchGroup& group, std::uint8_t* at_edge) {
   const ChainBoundary from = boundaries[0], to = boundaries[1];
-  FetchLanes fetch(f);
+  FetchLanes fetch(f, 0);
   RowsAhead ahead = group.ahead;
   CellLayers layers;
   Condition begin, end;
@@ -93,7 +93,8 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
         at_edge[edges++] = static_cast<std::uint8_t>(at);
         continue;
       }
-      if (!FetchLanes::holds(*f.frame, positions)) {
+      const int before = FetchLanes::before(*f.frame, positions);
+      if (before < 0) {
         take_chain_by<rule>(&f, boundaries, 1, site, group.sums[at]);
         continue;
       }
@@ -102,7 +103,12 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
       ToSums<rule> gathered(group.sums[at]);
       const LaneLayers lanes = layers_between(begin, end, site, range);
       gathered.count(lanes.length);
-      take_layers(fetch, f, positions.x, positions.y, lanes, range, ahead, gathered);
+      if (before == 0) {
+        take_layers(fetch, f, positions.x, positions.y, lanes, range, ahead, gathered);
+      } else {
+        FetchLanes moved(f, before);
+        take_layers(moved, f, positions.x, positions.y, lanes, range, ahead, gathered);
+      }
       gathered.gathered.store();
     }
   }
