@@ -3,6 +3,7 @@
 // layers, so a patch needs of a frame one position per layer and one offset per lane.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -144,10 +145,15 @@ struct alignas(64) PatchGroup {
   std::array<PatchSite, group_patches> sites;           // all of the same layers
   std::array<PatchSums, group_patches> sums;
   int count = 0;
+  int least_da = 0, greatest_da = 0, least_db = 0, greatest_db = 0;  // of the sites
   RowsAhead ahead;  // of a frame soon to be taken, some with each patch: asked for all at once they would be
                     // waited for
 
   void add(const PatchSite& site) {
+    least_da = count == 0 ? site.da : std::min(least_da, site.da);
+    greatest_da = count == 0 ? site.da : std::max(greatest_da, site.da);
+    least_db = count == 0 ? site.db : std::min(least_db, site.db);
+    greatest_db = count == 0 ? site.db : std::max(greatest_db, site.db);
     da[count] = static_cast<float>(site.da);
     db[count] = static_cast<float>(site.db);
     sites[count++] = site;

@@ -46,9 +46,25 @@ struct LanePlaces {
   }
 };
 
-// First and last position of lane 0.
+// Positions of lane 0 between two.
 struct PositionRange {
   FixedPx x, last_x, y, last_y;
+  // In all layers of all patches of a group.
+  PositionRange(const ChainFrame& f, const PatchGroup& group)
+      : x(f.x), last_x(f.x), y(f.y), last_y(f.y) {
+    const auto reach = [](FixedPx& least, FixedPx& greatest, FixedPx step, int from, int to) {
+      least += std::min(from * step, to * step);
+      greatest += std::max(from * step, to * step);
+    };
+    const PatchSite& site = group.sites[0];
+    reach(x, last_x, f.x_per_sample, group.least_da, group.greatest_da);
+    reach(x, last_x, f.x_per_row, group.least_db, group.greatest_db);
+    reach(x, last_x, f.x_per_layer, site.first, site.depth - 1);
+    reach(y, last_y, f.y_per_sample, group.least_da, group.greatest_da);
+    reach(y, last_y, f.y_per_row, group.least_db, group.greatest_db);
+    reach(y, last_y, f.y_per_layer, site.first, site.depth - 1);
+  }
+  // From layer to layer of a patch.
   PositionRange(const ChainFrame& f, const PatchSite& site, const LayerRange& range)
       : x(f.x_at(site, range.low)),
         last_x(x + (range.high - 1 - range.low) * f.x_per_layer),

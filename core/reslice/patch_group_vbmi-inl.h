@@ -80,6 +80,9 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
   Condition begin, end;
   begin.always();
   end.never();
+  const PositionRange of_group(f, group);
+  const bool ends_here = ends && may_end(*f.frame, of_group);
+  const bool held = FetchLanes::before(*f.frame, of_group) == 0;
   int edges = 0;
   for (int patch = 0; patch < group.count; patch += 16) {
     std::uint32_t met = layers.find(from, to, group, patch);
@@ -89,11 +92,11 @@ HWY_ATTR HWY_NOINLINE int take_cell_of(const ChainFrame& f, const ChainBoundary*
       const PatchSite& site = group.sites[at];
       const LayerRange range{layers.low[i], layers.high[i]};
       const PositionRange positions(f, site, range);
-      if (ends && may_end(*f.frame, positions)) {
+      if (ends_here && may_end(*f.frame, positions)) {
         at_edge[edges++] = static_cast<std::uint8_t>(at);
         continue;
       }
-      const int before = FetchLanes::before(*f.frame, positions);
+      const int before = held ? 0 : FetchLanes::before(*f.frame, positions);
       if (before < 0) {
         take_chain_by<rule>(&f, boundaries, 1, site, group.sums[at]);
         continue;
