@@ -74,6 +74,7 @@ void ChainEnds::claim(const ChainCells& cells, const LaneGrid& grid, const Patch
     share.y[i] = y;
   }
   patch_kernels().inside(*f.frame, share.x.data(), share.y.data(), layers, share.lanes.data());
+  LaneMask taken = 0;
   for (int i = 0; i < layers; ++i) {
     const int l = range.low + i;
     const float at = z.at(site, l);
@@ -94,8 +95,10 @@ void ChainEnds::claim(const ChainCells& cells, const LaneGrid& grid, const Patch
       nearest_mm_[l][lane] = mm;
       share_of_[l][lane] = static_cast<std::uint16_t>(share_count_);
     }
+    taken |= share.lanes[i];
   }
-  ++share_count_;
+  // Most frames end where the nearest does.
+  if (taken != 0) ++share_count_;
 }
 
 void ChainEnds::hand_over(const ChainCells& cells, const LaneGrid& grid, const PatchSite& site, Rule rule,
