@@ -139,7 +139,7 @@ struct RowsAhead {
 };
 
 // Patches of a tile that a chain's cells are taken in, cell after cell.
-constexpr int group_patches = 128;
+constexpr int group_patches = 256;
 struct alignas(64) PatchGroup {
   alignas(64) std::array<float, group_patches> da, db;  // of the sites
   std::array<PatchSite, group_patches> sites;           // all of the same layers

@@ -40,12 +40,12 @@ TileSize tile_size(const FrameTable& seen, int layers, Interpolation interpolati
   };
   // Longer tiles have more edges for what they spare.
   constexpr double little = 0.6;
-  const TileSize square, wide{128, 32}, tall{32, 128}, large{128, 128};
-  // Along parallel planes, all of whose tiles have the same frames.
-  constexpr double hardly_more = 1.25;
-  if (range(large) < hardly_more * range(square)) return large;
+  const TileSize square, usual{128, 64}, wide{128, 32}, tall{32, 128}, large{256, 64};
   const TileSize& longer = range(wide) < range(tall) ? wide : tall;
-  return range(longer) < little * range(square) ? longer : square;
+  if (range(longer) < little * range(square)) return longer;
+  // Along planes in which frames hardly change along a line: parallel ones, or tilted about it.
+  constexpr double hardly_more = 1.25;
+  return range(large) < hardly_more * range(square) ? large : usual;
 }
 
 LaneMask existing_lanes(LaneShape shape, int width, int height) {

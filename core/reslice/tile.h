@@ -16,7 +16,7 @@ struct TileSize {
 };
 // Of a band of so many layers seen from its lattice: longer where the frames' distances change little along
 // one side, so that fewer frames matter to a tile and more of each one's pixel rows; larger where they do
-// along both. For nearest; blends take their time elsewhere.
+// along both. All its patches are one group (PatchGroup). For nearest; blends take their time elsewhere.
 TileSize tile_size(const FrameTable& seen, int layers, Interpolation interpolation);
 
 // A candidate as the patches of a tile see it.
