@@ -30,8 +30,8 @@ struct LanePlaces {
   HWY_ATTR HWY_INLINE LanePlaces(const PatchFrame& f, int before)
       : carries_x(f.part_x.data()),
         carries_y(f.part_y.data()),
-        column(_mm512_add_epi8(_mm512_load_si512(f.column.data()),
-                               _mm512_set1_epi8(static_cast<char>(before)))),
+        column(
+            _mm512_add_epi8(_mm512_load_si512(f.column.data()), _mm512_set1_epi8(static_cast<char>(before)))),
         row(_mm512_load_si512(f.row.data())),
         origin(f.pixels + f.least_row * f.stride + f.least_column - before),
         stride(f.stride) {}
@@ -50,8 +50,7 @@ struct LanePlaces {
 struct PositionRange {
   FixedPx x, last_x, y, last_y;
   // In all layers of all patches of a group.
-  PositionRange(const ChainFrame& f, const PatchGroup& group)
-      : x(f.x), last_x(f.x), y(f.y), last_y(f.y) {
+  PositionRange(const ChainFrame& f, const PatchGroup& group) : x(f.x), last_x(f.x), y(f.y), last_y(f.y) {
     const auto reach = [](FixedPx& least, FixedPx& greatest, FixedPx step, int from, int to) {
       least += std::min(from * step, to * step);
       greatest += std::max(from * step, to * step);
