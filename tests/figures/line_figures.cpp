@@ -73,22 +73,50 @@ void figure_9(const std::string& folder) {
   }
 }
 
+namespace {
+
+// Where two vertices of one front are one of the next: the shocks of the fast propagation.
+PlaneLine shocks(const CurveFlow& flow, int side) {
+  PlaneLine found;
+  for (int k = 2; k <= flow.outermost(); ++k) {
+    const auto &before = flow.layer(side * (k - 1)).front, &after = flow.layer(side * k).front;
+    if (before.size() != 1 || after.size() != 1 || after[0].size() >= before[0].size()) continue;
+    std::size_t closest = 1;
+    const auto length = [&](std::size_t i) { return (before[0][i] - before[0][i - 1]).norm(); };
+    for (std::size_t i = 2; i < before[0].size(); ++i)
+      if (length(i) < length(closest)) closest = i;
+    found.push_back(0.5 * (before[0][closest] + before[0][closest - 1]));
+  }
+  return found;
+}
+
+void draw_routes(Svg& svg, const CurveFlow& flow) {
+  for (const FlowLayer& layer : flow.layers) {
+    // A dot every quarter of a millimetre of the way, whatever the layers' distance.
+    if (layer.k == 0 || layer.k % 10 != 0) continue;
+    for (const PlaneLine& run : layer.front)
+      for (const PlanePoint& vertex : run) svg.dot(vertex, 1.2, layer.k > 0 ? "steelblue" : "darkorange");
+  }
+}
+
+void draw_layer(Svg& svg, const FlowLayer& layer) {
+  for (const PlaneLine& run : layer.front) svg.line(run, {"black", 1});
+}
+
+}  // namespace
+
 void figure_10(const std::string& folder) {
   Serial serial;
   const Curve c = bay();
-  const CurveFlow flow = flow_curve(c, drawn(FlowMethod::route_map, 24, 0.25), serial);
+  constexpr int last = 240;
+  const CurveFlow flow = flow_curve(c, drawn(FlowMethod::route_map, last, 0.025), serial);
   Svg svg(folder + "/figure-10-route-map.svg", 42, 36, 14);
-  for (const FlowLayer& layer : flow.layers) {
-    const bool solid = layer.k == 4 || layer.k == -4 || layer.k == 24 || layer.k == -24;
-    if (layer.k == 0) continue;
-    for (const PlaneLine& run : layer.front) {
-      if (solid) svg.line(run, {"black", 1});
-      // The vertices of every front, one after another, are the routes.
-      for (const PlanePoint& vertex : run) svg.dot(vertex, 1.2, layer.k > 0 ? "steelblue" : "darkorange");
-    }
-  }
+  draw_routes(svg, flow);
+  for (const int k : {-last, -40, 40, last}) draw_layer(svg, flow.layer(k));
+  for (const int side : {-1, 1})
+    for (const PlanePoint& shock : shocks(flow, side)) svg.dot(shock, 4, "crimson");
   svg.line(c.vertices, {"black", 2.5});
-  svg.text({1, 35}, "vertices run along their normals and merge; corners stay corners");
+  svg.text({1, 35}, "vertices run along their normals and merge in shocks (red); corners stay corners");
 }
 
 }  // namespace sonoband::figures

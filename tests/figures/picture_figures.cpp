@@ -5,6 +5,7 @@
 #include "app/exchange/png.h"
 #include "app/workers.h"
 #include "core/manifold/manifold_band.h"
+#include "tests/figures/drawn_lines.h"
 #include "tests/figures/figures.h"
 #include "tests/figures/swept_scene.h"
 
@@ -30,10 +31,28 @@ void save(const BandImage& image, const std::string& file) {
   exchange::write_png(exchange::band_png(image), file);
 }
 
+BandImage planar(const SweptScene& swept, const ReslicePlane& plane, double thickness_mm,
+                 Compounding compounding) {
+  Workers workers(2);
+  return render_planar(swept.view(), plane, settings_of(swept, thickness_mm, compounding), workers);
+}
+
 void planar(const SweptScene& swept, const ReslicePlane& plane, double thickness_mm, Compounding compounding,
             const std::string& file) {
-  Workers workers(2);
-  save(render_planar(swept.view(), plane, settings_of(swept, thickness_mm, compounding), workers), file);
+  save(planar(swept, plane, thickness_mm, compounding), file);
+}
+
+// The plane's picture with c(s) and, where the curved band is thick, c_u and c_d.
+void save_with_curves(const BandImage& image, const ReslicePlane& plane, const Curve& curve,
+                      const ManifoldBand* thick, const std::string& file) {
+  constexpr doppler::Rgb yellow{255, 220, 0}, blue{90, 170, 255}, orange{255, 140, 0};
+  exchange::PngPicture picture = exchange::band_png(image);
+  if (thick != nullptr) {
+    for (const PlaneLine& line : thick->up) draw_line(picture, line, plane.pixel_mm, blue);
+    for (const PlaneLine& line : thick->down) draw_line(picture, line, plane.pixel_mm, orange);
+  }
+  draw_line(picture, curve.vertices, plane.pixel_mm, yellow);
+  exchange::write_png(picture, file);
 }
 
 // Turned about the middle of the plane by `degrees` round its own `down`.
@@ -83,18 +102,19 @@ void figure_6(const std::string& folder) {
 void figures_11_to_13(const std::string& folder) {
   const SweptScene foetus = sweep("foetus", frames);
   const sim::SuggestedView& view = view_of(foetus, "sagittal");
-  planar(foetus, view.plane, 0, Compounding::maximum, folder + "/figure-11-a-planar-thin.png");
-  planar(foetus, view.plane, 5.1, Compounding::maximum, folder + "/figure-12-a-planar-5.1mm.png");
   const Curve curve =
       make_curve(view.curve_mm, {.pixel_mm = view.plane.pixel_mm, .smooth_px = 4, .closed = false}).curve;
   Workers workers(2);
   for (const double thickness_mm : {0.0, view.curve_thickness_mm}) {
+    const bool thin = thickness_mm == 0;
     ManifoldSettings settings;
     settings.reach_mm = view.reach_mm;
     settings.render = settings_of(foetus, thickness_mm, Compounding::maximum);
     const ManifoldBand band = render_manifold(foetus.view(), view.plane, curve, settings, workers);
-    save(band.image,
-         folder + (thickness_mm == 0 ? "/figure-11-b-unrolled-thin.png" : "/figure-12-b-unrolled-7.2mm.png"));
+    save(band.image, folder + (thin ? "/figure-11-b-unrolled-thin.png" : "/figure-12-b-unrolled-7.2mm.png"));
+    save_with_curves(planar(foetus, view.plane, thin ? 0 : 5.1, Compounding::maximum), view.plane, curve,
+                     thin ? nullptr : &band,
+                     folder + (thin ? "/figure-11-a-planar-thin.png" : "/figure-12-a-planar-5.1mm.png"));
   }
   const ConstPixels raw = foetus.frames[frames / 2].bscan.pixels;
   exchange::write_png(exchange::grey_png(raw), folder + "/figure-13-a-raw-bscan.png");
