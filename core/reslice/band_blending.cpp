@@ -119,11 +119,7 @@ void BandPainter::blend_shares(const std::vector<Candidate>& candidates,
       m = ((m & of_b.side_wins[l]) | (of_b.wins[l] & of_a.side_wins[l])) &
           (of_a.positive[l] ^ of_b.positive[l]);
     } else {
-      for (std::size_t c = 0; c < candidates.size(); ++c) {
-        const Winners::Share& other = winners_.share(c);
-        if (l >= other.first && l < other.last)
-          m &= ~(other.side_wins[l] & (of_a.positive[l] ^ other.positive[l]));
-      }
+      m &= ~winners_.opposed(of_a, l);
     }
     masks[l - first] = m;
     any |= m;

@@ -37,8 +37,9 @@ void BandPainter::paint_shares(const std::vector<Candidate>& candidates,
     const int first = std::max(s.first, range.low), last = std::min(s.last, range.high);
     if (first >= last) continue;
     if (linear_) {
-      for (int other = -1; other < static_cast<int>(c); ++other)
-        blend_shares(candidates, frames, c, other, range);
+      blend_shares(candidates, frames, c, -1, range);
+      for (std::size_t other = 0; other < c; ++other)
+        if (winners_.may_meet(c, other)) blend_shares(candidates, frames, c, static_cast<int>(other), range);
     } else {
       patch_kernels().take(*frames[c], s.x.data() + first, s.y.data() + first, s.wins.data() + first,
                            last - first, rule_, totals_.piece());

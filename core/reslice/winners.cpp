@@ -54,12 +54,33 @@ void Winners::find(const FrameTable& table, std::span<const Candidate> candidate
                    std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid,
                    Interpolation interpolation) {
   linear_ = interpolation == Interpolation::linear;
+  shape_ = place.shape;
   if (shares_.size() < candidates.size()) shares_.resize(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c)
     support(table, candidates[c], *frames[c], place, grid, shares_[c]);
   for (std::size_t later = 1; later < candidates.size(); ++later)
     for (std::size_t earlier = 0; earlier < later; ++earlier)
-      contest(shares_[earlier], shares_[later], place, grid);
+      if (may_meet(earlier, later)) contest(shares_[earlier], shares_[later], place, grid);
+  if (!linear_) return;
+  std::fill_n(positive_.begin(), place.layers, LaneMask{0});
+  std::fill_n(negative_.begin(), place.layers, LaneMask{0});
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Share& s = shares_[c];
+    for (int l = s.first; l < s.last; ++l) {
+      positive_[l] |= s.side_wins[l] & s.positive[l];
+      negative_[l] |= s.side_wins[l] & ~s.positive[l];
+    }
+  }
+}
+
+bool Winners::may_meet(const Share& a, const Share& b) const {
+  const int first = std::max(a.first, b.first), last = std::min(a.last, b.last);
+  if (first >= last) return false;
+  // Affine over the layers.
+  const auto [low, high] = std::minmax({a.z[first] - b.z[first], a.z[last - 1] - b.z[last - 1]});
+  const LaneSpan lanes = lane_span(a.z_per_sample - b.z_per_sample, a.z_per_row - b.z_per_row, shape_);
+  const double both = a.reach_mm + b.reach_mm + 4 * float_tie_mm;
+  return low + lanes.lowest <= both && high + lanes.highest >= -both;
 }
 
 void Winners::support(const FrameTable& table, const Candidate& candidate, const PatchFrame& frame,
@@ -71,6 +92,7 @@ void Winners::support(const FrameTable& table, const Candidate& candidate, const
   share.z_per_row = z.gradient.dot(place.row_step);
   const LaneSpan lanes = lane_span(share.z_per_sample, share.z_per_row, place.shape);
   const double near_reach = f.gap_mm + tie_mm, far_reach = (linear_ ? 2 : 1) * f.gap_mm + tie_mm;
+  share.reach_mm = far_reach;
   const auto near = [&](int l) {
     return share.z[l] + lanes.lowest <= far_reach && share.z[l] + lanes.highest >= -far_reach;
   };

@@ -31,6 +31,7 @@ class Winners {
   // One candidate's share of the patch: layers first <= l < last.
   struct Share {
     int first = 0, last = 0;
+    double reach_mm = 0;  // the farthest that counts
     double z_per_sample = 0, z_per_row = 0;
     std::array<double, patch_layers> z;                // at lane 0
     std::array<FixedPx, patch_layers> x, y;            // of the foot at lane 0
@@ -44,13 +45,22 @@ class Winners {
             std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid,
             Interpolation interpolation);
   const Share& share(std::size_t candidate) const { return shares_[candidate]; }
+  // False where no lane of a layer is in reach of both: neither keeps the other from anything.
+  bool may_meet(std::size_t a, std::size_t b) const { return may_meet(shares_[a], shares_[b]); }
+  // Linear only: lanes of a layer that have a frame on the side that `share` is not on.
+  LaneMask opposed(const Share& share, int layer) const {
+    return (share.positive[layer] & negative_[layer]) | (~share.positive[layer] & positive_[layer]);
+  }
 
  private:
   void support(const FrameTable& table, const Candidate& candidate, const PatchFrame& frame,
                const PatchPlace& place, const LaneGrid& grid, Share& share);
+  bool may_meet(const Share& a, const Share& b) const;
   void contest(Share& earlier, Share& later, const PatchPlace& place, const LaneGrid& grid);
 
   bool linear_ = false;
+  LaneShape shape_;
+  std::array<LaneMask, patch_layers> positive_, negative_;  // lanes with a frame on that side
   std::vector<Share> shares_;
 };
 
