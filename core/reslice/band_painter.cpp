@@ -32,18 +32,18 @@ void BandPainter::blank(const LatticeBlock& block) {
 // What each candidate gives to some layers of place_.
 void BandPainter::paint_shares(const std::vector<Candidate>& candidates,
                                const std::vector<const PatchFrame*>& frames, const LayerRange& range) {
+  if (linear_) {
+    for (std::size_t c = 0; c < candidates.size(); ++c) blend_shares(candidates, frames, c, -1, range);
+    for (const auto& [earlier, later] : winners_.meetings())
+      blend_shares(candidates, frames, later, static_cast<int>(earlier), range);
+    return;
+  }
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Winners::Share& s = winners_.share(c);
     const int first = std::max(s.first, range.low), last = std::min(s.last, range.high);
     if (first >= last) continue;
-    if (linear_) {
-      blend_shares(candidates, frames, c, -1, range);
-      for (std::size_t other = 0; other < c; ++other)
-        if (winners_.may_meet(c, other)) blend_shares(candidates, frames, c, static_cast<int>(other), range);
-    } else {
-      patch_kernels().take(*frames[c], s.x.data() + first, s.y.data() + first, s.wins.data() + first,
-                           last - first, rule_, totals_.piece());
-    }
+    patch_kernels().take(*frames[c], s.x.data() + first, s.y.data() + first, s.wins.data() + first,
+                         last - first, rule_, totals_.piece());
   }
 }
 

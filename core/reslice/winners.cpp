@@ -58,9 +58,14 @@ void Winners::find(const FrameTable& table, std::span<const Candidate> candidate
   if (shares_.size() < candidates.size()) shares_.resize(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c)
     support(table, candidates[c], *frames[c], place, grid, shares_[c]);
-  for (std::size_t later = 1; later < candidates.size(); ++later)
-    for (std::size_t earlier = 0; earlier < later; ++earlier)
-      if (may_meet(earlier, later)) contest(shares_[earlier], shares_[later], place, grid);
+  meetings_.clear();
+  for (std::size_t later = 1; later < candidates.size(); ++later) {
+    for (std::size_t earlier = 0; earlier < later; ++earlier) {
+      if (!may_meet(shares_[earlier], shares_[later])) continue;
+      meetings_.push_back({earlier, later});
+      contest(shares_[earlier], shares_[later], place, grid);
+    }
+  }
   if (!linear_) return;
   std::fill_n(positive_.begin(), place.layers, LaneMask{0});
   std::fill_n(negative_.begin(), place.layers, LaneMask{0});

@@ -45,8 +45,12 @@ class Winners {
             std::span<const PatchFrame* const> frames, const PatchPlace& place, const LaneGrid& grid,
             Interpolation interpolation);
   const Share& share(std::size_t candidate) const { return shares_[candidate]; }
-  // False where no lane of a layer is in reach of both: neither keeps the other from anything.
-  bool may_meet(std::size_t a, std::size_t b) const { return may_meet(shares_[a], shares_[b]); }
+  // Candidates that may both be in reach of a lane; others keep one another from nothing. By the later's
+  // place.
+  struct Meeting {
+    std::size_t earlier, later;
+  };
+  const std::vector<Meeting>& meetings() const { return meetings_; }
   // Linear only: lanes of a layer that have a frame on the side that `share` is not on.
   LaneMask opposed(const Share& share, int layer) const {
     return (share.positive[layer] & negative_[layer]) | (~share.positive[layer] & positive_[layer]);
@@ -62,6 +66,7 @@ class Winners {
   LaneShape shape_;
   std::array<LaneMask, patch_layers> positive_, negative_;  // lanes with a frame on that side
   std::vector<Share> shares_;
+  std::vector<Meeting> meetings_;
 };
 
 }  // namespace sonoband
