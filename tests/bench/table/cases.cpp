@@ -4,35 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "core/manifold/manifold_band.h"
-#include "core/reslice/rolling_band.h"
-#include "tests/bench/table/bench_sweep.h"
+#include "tests/bench/table/case_parts.h"
 
 namespace sonoband::bench {
 namespace {
-
-using Shared = std::shared_ptr<BenchSweep>;
-
-RenderSettings settings_of(Interpolation interpolation, Compounding compounding, double thickness_mm) {
-  RenderSettings settings;
-  settings.band = {thickness_mm, 0.2};
-  settings.interpolation = interpolation;
-  settings.compounding = compounding;
-  return settings;
-}
 
 std::string word(Interpolation i) {
   return i == Interpolation::nearest ? "nearest" : "linear";
 }
 std::string word(Compounding c) {
   return c == Compounding::maximum ? "max" : c == Compounding::minimum ? "min" : "mean";
-}
-
-// Where lanes cannot follow pixel rows and the peer not its voxels' axes.
-bool is_oblique(const test::NamedPlane& plane) {
-  return plane.name == "oblique" || plane.name == "c45";
 }
 
 // Asked of bands of 200 frames, ms.
@@ -133,6 +116,26 @@ void add_turned(const Shared& bench, std::vector<Case>& cases) {
   cases.push_back(turning);
 }
 
+// What a frame costs when it arrives, beside its turned picture: its place in the tables.
+void add_arrival(const Shared& bench, std::vector<Case>& cases) {
+  Case c;
+  c.name = "a frame prepared on arrival, mean of 200";
+  c.ms.must = 0.5;
+  c.begin = [=] { bench->use(200); };
+  c.own_ms = [=] {
+    const SweepView view = bench->sweep->view();
+    PreparedSweep growing({{}, view.mask});
+    const auto arrive = [&] {
+      for (const TrackedFrame* frame : view.frames) {
+        growing.append(*frame);
+        growing.prepare();
+      }
+    };
+    return milliseconds(bench->options.clock, 1, arrive) / bench->frame_count;
+  };
+  cases.push_back(c);
+}
+
 // From the last frame to the first picture: theirs pastes while scanning, so only the last frame, the holes
 // and the slab count.
 void add_first_picture(const Shared& bench, std::vector<Case>& cases) {
@@ -180,52 +183,6 @@ void add_random_planes(const Shared& bench, std::vector<Case>& cases) {
       return worst;
     };
     cases.push_back(c);
-  }
-}
-
-// Steps of a rolling band, each `moved` steps on from the plane and of `layers` layers more than 71; the mean
-// of all but the first, which paints the layers kept, or the first alone. Best of three drags.
-Case rolling_case(const Shared& bench, const std::string& name, const ReslicePlane& plane, Asked ms,
-                  int steps, int moved, int layers) {
-  Case c;
-  c.name = name;
-  c.ms = ms;
-  c.begin = [=] { bench->use(200); };
-  c.own_ms = [=] {
-    double best = 1e9;
-    RollingBand rolling;
-    for (int repeat = 0; repeat < 3; ++repeat) {
-      const auto step = [&](int i) {
-        ReslicePlane at = plane;
-        at.origin.v += 0.2 * (i * moved) * at.normal().v;
-        const RenderSettings settings =
-            settings_of(Interpolation::nearest, Compounding::maximum, 14 + 0.2 * i * layers);
-        return milliseconds(bench->options.clock, bench->options.threads, [&] {
-          benchmark::DoNotOptimize(rolling.render(bench->prepared, at, settings, bench->workers));
-        });
-      };
-      ReslicePlane elsewhere = plane;
-      elsewhere.origin.v += 50 * plane.right.v;
-      rolling.render(bench->prepared, elsewhere, settings_of(Interpolation::nearest, Compounding::maximum, 0),
-                     bench->workers);
-      step(0);
-      const double first = step(1);
-      double sum = 0;
-      for (int i = 2; i <= steps; ++i) sum += step(i);
-      best = std::min(best, steps > 1 ? sum / (steps - 1) : first);
-    }
-    return best;
-  };
-  return c;
-}
-
-void add_drags(const Shared& bench, std::vector<Case>& cases) {
-  for (const auto& plane : test::speed_planes()) {
-    const Asked asked = is_oblique(plane) ? Asked{2, 1} : Asked{0.5, 0.2};
-    const std::string end = " nearest max " + plane.name + " N=200";
-    cases.push_back(rolling_case(bench, "drag by one pixel" + end, plane.plane, asked, 81, 1, 0));
-    cases.push_back(rolling_case(bench, "drag by one pixel, first step" + end, plane.plane, {}, 1, 1, 0));
-    cases.push_back(rolling_case(bench, "thickness by two layers" + end, plane.plane, asked, 21, 0, 2));
   }
 }
 
@@ -311,6 +268,7 @@ Table speed_table(const TableOptions& options) {
   add_drags(bench, table.cases);
   add_random_planes(bench, table.cases);
   add_manifold(bench, table.cases);
+  add_arrival(bench, table.cases);
   add_turned(bench, table.cases);
   add_planar(bench, table.cases);
   add_doppler(bench, table.cases);

@@ -124,7 +124,7 @@ void measure(const std::vector<Case>& cases, const std::string& filter, const Ou
   };
   nlohmann::json json{{"machine", machine()}, {"rows", nlohmann::json::array()}};
   if (!output.peer_name.empty()) json["peer"] = output.peer_name;
-  std::printf("%s\npeer: %s\n\n%-52s %9s %6s %5s %9s %7s %6s %5s %7s %6s %5s\n", machine().c_str(),
+  std::printf("%s\npeer: %s\n\n%-60s %9s %6s %5s %9s %7s %6s %5s %7s %6s %5s\n", machine().c_str(),
               output.peer_name.empty() ? "none" : output.peer_name.c_str(), "case", "ours ms", "must", "aim",
               "peer ms", "ratio", "must", "aim", "times", "must", "aim");
   std::map<std::string, double> measured;
@@ -135,7 +135,7 @@ void measure(const std::vector<Case>& cases, const std::string& filter, const Ou
     double ours = c.own_ms ? c.own_ms() : time_ms(c.name, c.ours);
     nlohmann::json row{{"case", c.name}};
     put_asked(row, c.ms, "ms");
-    std::printf("%-52s ", c.name.c_str());
+    std::printf("%-60s ", c.name.c_str());
     double peer = 0;
     if (c.peer) {
       peer = time_ms(c.name, c.peer);
