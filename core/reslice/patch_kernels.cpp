@@ -3,7 +3,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/reslice/patch_kernels.cpp"
-#define HWY_WANT_AVX3_DL 1  // Ice Lake, Zen 4 and later: byte permutes
+#include "core/reslice/patch_targets.h"
+// Highway's headers come after what they are told.
 #include <hwy/foreach_target.h>
 // Highway's per-target headers come after foreach_target.h.
 #include <hwy/highway.h>

@@ -1,9 +1,8 @@
 // Choosing among the instruction sets that this machine has.
 #pragma once
 
-#ifndef HWY_WANT_AVX3_DL
-#define HWY_WANT_AVX3_DL 1  // as core/reslice/patch_kernels.cpp is compiled
-#endif
+#include "core/reslice/patch_targets.h"
+// Highway's headers come after what they are told.
 #include <hwy/highway.h>
 
 #include <cstdint>
