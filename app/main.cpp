@@ -1,6 +1,7 @@
 // sonoband: the cart.
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -66,6 +67,8 @@ ScreenOptions screen_options(const Options& options, const Profile& profile) {
       screen.width > 8192 || screen.height > 8192) {
     throw BadInput("--size " + options.size + ": write width x height in pixels from 640x480 to 8192x8192");
   }
+  // The only one that CLI11's range lets through.
+  if (std::isnan(options.scale)) throw BadInput("--scale nan: write a number from 0.5 to 4");
   screen.full_screen = options.full_screen;
   screen.scale = options.scale;
   screen.bar = colour_bar_of(profile);
