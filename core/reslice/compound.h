@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 
 #include "core/image/doppler.h"
 #include "core/reslice/band.h"
@@ -48,6 +49,15 @@ struct MeanSums {
       ++greys;
       grey += key;
     }
+  }
+
+  // The same where all counts fit a byte, without dividing.
+  std::uint8_t value_of_few() const {
+    const auto few = [](std::uint32_t count) { return static_cast<std::uint8_t>(count); };
+    const int mean =
+        mean_inverses.mean(static_cast<std::uint32_t>(std::abs(velocity)), few(greys + coloured));
+    if (mean != 0) return doppler::velocity_key(velocity < 0 ? -mean : mean);
+    return mean_inverses.mean(grey, few(greys));
   }
 
   std::uint8_t value() const {

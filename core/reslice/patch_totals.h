@@ -99,7 +99,7 @@ class PatchTotals {
       for (int k = 0; mean && k < patch_lanes; ++k) {
         values[k] = rule_ == Rule::mean_grey || piece_.coloured[k] == 0
                         ? mean_inverses.mean(piece_.sum[k], piece_.count[k])
-                        : mean_of(k).value();
+                        : mean_of(k).value_of_few();
       }
     } else {
       gather();

@@ -100,6 +100,29 @@ HWY_ATTR inline void inside_permuted(const PatchFrame& f, const FixedPx* x, cons
   }
 }
 
+// Of coloured samples: how many, and their velocities. Only means of Doppler have them.
+template <Rule rule>
+struct ColourSums {
+  HWY_ATTR explicit ColourSums(const PatchSums&) {}
+  HWY_ATTR void store(PatchSums&) const {}
+};
+template <>
+struct ColourSums<Rule::mean_doppler> {
+  __m512i count;
+  WideSum velocity;
+  HWY_ATTR explicit ColourSums(const PatchSums& sums)
+      : count(_mm512_load_si512(sums.coloured.data())), velocity(sums.velocity.data()) {}
+  HWY_ATTR HWY_INLINE void add(__mmask64 colour, __m512i v) {
+    count = _mm512_mask_add_epi8(count, colour, count, _mm512_set1_epi8(1));
+    velocity.add_signed(_mm512_maskz_permutex2var_epi8(colour, _mm512_load_si512(velocity_table.level), v,
+                                                       _mm512_load_si512(velocity_table.level + 64)));
+  }
+  HWY_ATTR void store(PatchSums& sums) const {
+    _mm512_store_si512(sums.coloured.data(), count);
+    velocity.store(sums.velocity.data());
+  }
+};
+
 // What a patch has gathered, in registers.
 template <Rule rule>
 class Gathered {
@@ -108,7 +131,8 @@ class Gathered {
       : sums_(&sums),
         count_(_mm512_load_si512(sums.count.data())),
         best_(_mm512_load_si512(sums.extreme.data())),
-        sum_(sums.sum.data()) {}
+        sum_(sums.sum.data()),
+        colours_(sums) {}
 
   HWY_ATTR HWY_INLINE void add(__mmask64 m, __m512i v) {
     count_ = _mm512_mask_add_epi8(count_, m, count_, _mm512_set1_epi8(1));
@@ -125,14 +149,7 @@ class Gathered {
     } else {
       const __mmask64 colour = m & _mm512_movepi8_mask(v);
       sum_.add_unsigned(_mm512_maskz_mov_epi8(m & ~colour, v));
-      if (colour == 0) return;
-      WideSum velocity(sums_->velocity.data());
-      velocity.add_signed(_mm512_maskz_permutex2var_epi8(colour, _mm512_load_si512(velocity_table.level), v,
-                                                         _mm512_load_si512(velocity_table.level + 64)));
-      velocity.store(sums_->velocity.data());
-      const __m512i coloured = _mm512_load_si512(sums_->coloured.data());
-      _mm512_store_si512(sums_->coloured.data(),
-                         _mm512_mask_add_epi8(coloured, colour, coloured, _mm512_set1_epi8(1)));
+      if (colour != 0) colours_.add(colour, v);
     }
   }
 
@@ -155,6 +172,7 @@ class Gathered {
       _mm512_store_si512(sums_->extreme.data(), best_);
     } else {
       sum_.store(sums_->sum.data());
+      colours_.store(*sums_);
     }
   }
 
@@ -162,6 +180,7 @@ class Gathered {
   PatchSums* sums_;
   __m512i count_, best_;
   WideSum sum_;
+  [[no_unique_address]] ColourSums<rule> colours_;
 };
 
 constexpr int layers_ahead = 12;  // that memory takes to answer
