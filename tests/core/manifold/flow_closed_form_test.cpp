@@ -128,6 +128,22 @@ TEST(Flow, ARulingOnACornerTakesTheMiddleOfItsArc) {
   }
 }
 
+// A spike's tip stands 8 above the middle of a floor. Layer 6 of the floor ends where it is 6 from the tip,
+// at sqrt(32) on either side; the ruling in the middle is as far from both ends and takes the earlier.
+TEST(Flow, OfEquallyNearPointsTheEarlierAlongTheCurveIsTaken) {
+  const double side = std::hypot(0.5, 22), last = 234 - 80 - 30 - 39.5 - 2 * side;  // 234 mm in all
+  const Curve spike =
+      test::open_curve({{-40, 0}, {40, 0}, {40, 30}, {0.5, 30}, {0, 8}, {-0.5, 30}, {-0.5 - last, 30}});
+  for (const bool back : {false, true}) {
+    const CurveFlow result = flow(back ? test::reversed(spike) : spike, 6);
+    const int middle = back ? 234 - 40 : 40;
+    ASSERT_LT(result.rulings[middle].at.norm(), 1e-9);
+    const auto& foot = result.layer(back ? -6 : 6).feet[middle];
+    ASSERT_TRUE(foot);
+    EXPECT_LT((*foot - PlanePoint((back ? 1 : -1) * std::sqrt(32), 6)).norm(), 1e-9) << back;
+  }
+}
+
 struct Motion {
   double angle;
   PlanePoint shift;
