@@ -41,6 +41,7 @@ class SpeedTable : public testing::Test {
                           given("flow", 3, {2, 0})};
     all[1].base = "bands N=200";
     all[1].times = {3, 1.5};
+    all[1].left_out = [] { return 3420; };
     return all;
   }
   std::string print(const std::string& filter, const Output& output) {
@@ -67,7 +68,7 @@ TEST_F(SpeedTable, RowsHaveWhatIsAskedAndStarsWhereItIsMissed) {
   const std::string text = print("", {});
   EXPECT_THAT(text, HasSubstr("peer: none"));
   EXPECT_THAT(text, HasSubstr("2.000     5     1\n"));
-  EXPECT_THAT(text, HasSubstr("3.50*    3   1.5\n"));  // 7 of 2
+  EXPECT_THAT(text, HasSubstr("3.50*    3   1.5   3420\n"));  // 7 of 2
   EXPECT_THAT(text, HasSubstr("3.000*    2      \n"));
 }
 
@@ -86,7 +87,8 @@ TEST_F(SpeedTable, JsonHasTheRowsAndNothingOfAPeerWithoutOne) {
                                    {"base", "bands N=200"},
                                    {"times", 3.5},
                                    {"must_times", 3.0},
-                                   {"aim_times", 1.5}}));
+                                   {"aim_times", 1.5},
+                                   {"frames_left_out", 3420}}));
 }
 
 TEST_F(SpeedTable, JsonHasThePeersTimesAndTheRatio) {

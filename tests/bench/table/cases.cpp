@@ -42,6 +42,9 @@ Case planar(const Shared& bench, const test::NamedPlane& plane, const RenderSett
     all.thin_dense_frames = false;
     c.base = planar_name(plane, all, 200);
     c.times = {3, 1.5};
+    c.left_out = [=] {
+      return render_planar(bench->prepared, plane.plane, settings, bench->workers).frames_left_out;
+    };
   } else if (frames > 200) {
     c.ratio = {};  // whole dense sweeps are only there to be compared
   }

@@ -124,9 +124,9 @@ void measure(const std::vector<Case>& cases, const std::string& filter, const Ou
   };
   nlohmann::json json{{"machine", machine()}, {"rows", nlohmann::json::array()}};
   if (!output.peer_name.empty()) json["peer"] = output.peer_name;
-  std::printf("%s\npeer: %s\n\n%-60s %9s %6s %5s %9s %7s %6s %5s %7s %6s %5s\n", machine().c_str(),
+  std::printf("%s\npeer: %s\n\n%-60s %9s %6s %5s %9s %7s %6s %5s %7s %6s %5s %6s\n", machine().c_str(),
               output.peer_name.empty() ? "none" : output.peer_name.c_str(), "case", "ours ms", "must", "aim",
-              "peer ms", "ratio", "must", "aim", "times", "must", "aim");
+              "peer ms", "ratio", "must", "aim", "times", "must", "aim", "left out");
   std::map<std::string, double> measured;
   for (const Case* const row_case : rows) {
     const Case& c = *row_case;
@@ -159,6 +159,11 @@ void measure(const std::vector<Case>& cases, const std::string& filter, const Ou
       put_asked(row, c.times, "times");
       std::printf(" ");
       print_figure(times, "%7.2f", c.times, false);
+    }
+    if (c.left_out) {
+      const int frames = c.left_out();
+      row["frames_left_out"] = frames;
+      std::printf(" %6d", frames);
     }
     std::printf("\n");
     std::fflush(stdout);

@@ -33,6 +33,7 @@ struct Case {
   std::function<void()> peer;      // empty: none
   std::function<void()> begin;     // untimed, before the first of either; may be empty
   std::function<double()> own_ms;  // instead of `ours`: a figure of its own, such as the worst of many planes
+  std::function<int()> left_out;   // frames that `ours` left out as denser than the output; may be empty
 };
 
 struct Output {
@@ -43,8 +44,8 @@ struct Output {
 // Measures and prints every case whose name contains `filter`, and those that they are multiples of; a figure
 // that misses what is asked has a star. Writes the same as JSON: {"machine": ..., "peer"?: ...,
 // "rows": [{"case", "ours_ms", "must_ms"?, "aim_ms"?, "vtk_ms"?, "ratio"?, "must_ratio"?, "base"?, "times"?,
-// "must_times"?, "aim_times"?}]}; what is of the peer only where there is one. Throws BadInput where no case
-// has such a name, or the file cannot be written, before anything is measured.
+// "must_times"?, "aim_times"?, "frames_left_out"?}]}; what is of the peer only where there is one. Throws
+// BadInput where no case has such a name, or the file cannot be written, before anything is measured.
 void measure(const std::vector<Case>& cases, const std::string& filter, const Output& output, Clock clock,
              int threads);
 
