@@ -123,6 +123,7 @@ void BandPainter::take_group() {
 
 // Paints the patches of group_ and empties it.
 void BandPainter::paint_group() {
+  if (group_.count == 0) return;
   take_group();
   for (int patch = 0; patch < group_.count; ++patch) {
     const PatchSite& site = group_.sites[patch];
