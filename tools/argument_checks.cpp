@@ -36,6 +36,16 @@ CLI::Validator number_between(double least, double most) {
           range};
 }
 
+void refuse_empty_values(CLI::App& verb) {
+  const CLI::Validator something(
+      [](std::string& text) {
+        return text.empty() ? std::string("is empty; give a value, or leave it out") : std::string();
+      },
+      "");
+  for (CLI::Option* option : verb.get_options())
+    if (option->get_items_expected_max() > 0) option->check(something);
+}
+
 CLI::Validator one_of_values(const std::vector<std::pair<std::string, int>>& names) {
   return {[names](std::string& text) {
             for (const auto& [name, value] : names) {

@@ -14,6 +14,9 @@ namespace sonoband::tools {
 // A finite number from `least` to `most`.
 CLI::Validator number_between(double least, double most);
 
+// Every option and positional of a verb wants something: a script's empty variable must not mean "all".
+void refuse_empty_values(CLI::App& verb);
+
 // Turns the name of a value into what CLI11 reads the value from; to be given to CLI::Option::transform.
 CLI::Validator one_of_values(const std::vector<std::pair<std::string, int>>& names);
 

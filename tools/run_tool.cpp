@@ -3,6 +3,7 @@
 #include <string>
 
 #include "app/bad_input.h"
+#include "tools/argument_checks.h"
 #include "tools/verbs.h"
 
 namespace sonoband::tools {
@@ -35,6 +36,8 @@ int run_tool(int argc, const char* const* argv) {
   add_verify(tool);
   add_send(tool);
   add_serve(tool);
+  for (CLI::App* verb : tool.get_subcommands([](const CLI::App*) { return true; }))
+    refuse_empty_values(*verb);
   try {
     tool.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
