@@ -247,11 +247,12 @@ TEST(Figure9, NaiveFrontsOfACornerCrossThemselves) {
 TEST(Figure9, NaiveFrontsOfDrawnLinesCrossThemselves) {
   int crossing = 0;
   for (const Shape& shape : test::all_shapes()) {
-    if (shape.name != "zigzag" && shape.name.find("stroke") == std::string::npos) continue;
+    // Smoothed ones need not: their bends may be wider than the band.
+    if (shape.name != "zigzag" && !shape.name.starts_with("raw_stroke")) continue;
     ++crossing;
     EXPECT_GT(crossings_in_all(shape.curve, FlowMethod::naive), 0) << shape.name;
   }
-  EXPECT_EQ(crossing, 6);
+  EXPECT_EQ(crossing, 3);
 }
 
 // Measured failures of the paper's route map on curves that come back within the band, or were not smoothed.
